@@ -3,8 +3,8 @@
 #
 #   budget-table.awk MEMORY MEASURED      what `inbetween budget` and what scripts/measure-budget printed
 
-function cell(kind, target, name, precision,    key) {
-  key = kind SUBSEP target SUBSEP name "/" precision
+function cell(kind, target, name,    key) {
+  key = kind SUBSEP target SUBSEP name
   if (!(key in measured)) return "-"
   return measured[key] < 1e4 ? measured[key] : thousands(measured[key] / 1e3) " 000"
 }
@@ -17,16 +17,14 @@ function thousands(number) {
 }
 
 function table_of(kind, title,    i, name) {
-  printf "\n| %s | Cortex-M7, double | float | Cortex-M4F, double | float |\n|---|---:|---:|---:|---:|\n", title
+  printf "\n| %s | Cortex-M7 | Cortex-M4F |\n|---|---:|---:|\n", title
   for (i = 1; i <= count[kind]; ++i) {
     name = names[kind, i]
-    printf "| `%s` | %s | %s | %s | %s |\n", name, cell(kind, "cortex-m7", name, "double"),
-      cell(kind, "cortex-m7", name, "float"), cell(kind, "cortex-m4f", name, "double"),
-      cell(kind, "cortex-m4f", name, "float")
+    printf "| `%s` | %s | %s |\n", name, cell(kind, "cortex-m7", name), cell(kind, "cortex-m4f", name)
   }
 }
 
-# The first block of `inbetween budget`: a heading, and rows that end in two numbers.
+# The first block of `inbetween budget`: a heading, and rows that end in a number.
 FNR == NR {
   if ($0 == "") past_memory = 1
   if (past_memory) next
@@ -35,20 +33,19 @@ FNR == NR {
     sub(/:$/, "", heading)
     next
   }
-  if ($NF == "float" || $(NF - 1) " " $NF == "- -") next
+  if ($NF == "-") next
   what = $0
   sub(/^  /, "", what)
-  sub(/ +[^ ]+ +[^ ]+$/, "", what)
+  sub(/ +[^ ]+$/, "", what)
   gsub(/^ +/, "\\&emsp;", what)
-  memory[++rows] = sprintf("| %s | %s | %s |", what, $(NF - 1), $NF)
+  memory[++rows] = sprintf("| %s | %s |", what, $NF)
   next
 }
 
 {
-  split($3, part, "/")
-  if (!(($1, part[1]) in seen)) {
-    seen[$1, part[1]] = 1
-    names[$1, ++count[$1]] = part[1]
+  if (!(($1, $3) in seen)) {
+    seen[$1, $3] = 1
+    names[$1, ++count[$1]] = $3
   }
   measured[$1, $2, $3] = $4
 }
@@ -60,6 +57,6 @@ END {
   }
   table_of("instructions", "instructions, three axes")
   table_of("stack", "worst stack in bytes, with all that is called")
-  printf "\n%s:\n\n| object | double | float |\n|---|---:|---:|\n", heading
+  printf "\n%s:\n\n| object | bytes |\n|---|---:|\n", heading
   for (i = 1; i <= rows; ++i) print memory[i]
 }

@@ -29,8 +29,8 @@ void SimulatedInputs::follow(std::size_t axis, double position, std::int64_t now
   if (now_ns <= from_ns) return;
   const double seconds = static_cast<double>(now_ns - from_ns) * 1e-9;
   const double velocity = (position - stand.position) / seconds;
-  const Setpoint<double> from{.position = stand.position, .velocity = velocity};
-  const Setpoint<double> to{.position = position, .velocity = velocity};
+  const Setpoint from{.position = stand.position, .velocity = velocity};
+  const Setpoint to{.position = position, .velocity = velocity};
   for (OnWay& one : switches_) {
     if (one.axis != axis) continue;
     one.of.move(from_ns, from, now_ns, to, coming_);

@@ -8,7 +8,7 @@ SimulatedRig::SimulatedRig(std::span<const double> positions)
       shifts_(positions.size()),
       faults_(positions.size()) {}
 
-void SimulatedRig::read(std::span<DriveState<double>> states, std::int64_t /*now_ns*/) {
+void SimulatedRig::read(std::span<DriveState> states, std::int64_t /*now_ns*/) {
   for (std::size_t i = 0; i < actual_.size(); ++i) {
     DriveCondition condition = faults_[i] ? DriveCondition::cannot_follow : DriveCondition::fine;
     if (!connected_) condition = DriveCondition::unreachable;
@@ -16,7 +16,7 @@ void SimulatedRig::read(std::span<DriveState<double>> states, std::int64_t /*now
   }
 }
 
-void SimulatedRig::write(std::span<const Setpoint<double>> setpoints, std::int64_t /*now_ns*/) {
+void SimulatedRig::write(std::span<const Setpoint> setpoints, std::int64_t /*now_ns*/) {
   if (setpoints.empty()) return;
   ++writes_;
   if (!connected_ || !is_switched_on_) return;

@@ -16,8 +16,8 @@ class SimulatedRig {
   /// At rest at `positions`, switched off.
   explicit SimulatedRig(std::span<const double> positions);
 
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns);
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
+  void read(std::span<DriveState> states, std::int64_t now_ns);
+  void write(std::span<const Setpoint> setpoints, std::int64_t now_ns);
   void enable() { is_switched_on_ = true; }
   void disable() { is_switched_on_ = false; }
   /// The axis is at `position` from now on as its drive counts, wherever it really is.

@@ -17,8 +17,7 @@ std::int64_t nanoseconds(double seconds) {
 }
 
 /// Interpolates by Hermite's cubic at `share` of the time between both.
-double position_between(const Setpoint<double>& from, const Setpoint<double>& to, double seconds,
-                        double share) {
+double position_between(const Setpoint& from, const Setpoint& to, double seconds, double share) {
   const double way = to.position - from.position;
   const double left = 1 - share;
   return from.position + share * share * (3 - 2 * share) * way +
@@ -47,8 +46,8 @@ double SimulatedSwitch::random(double min, double max) {
   return min + (max - min) * (static_cast<double>(random_()) / 4294967296.0);
 }
 
-void SimulatedSwitch::move(std::int64_t from_ns, const Setpoint<double>& from, std::int64_t to_ns,
-                           const Setpoint<double>& to, std::vector<LineEvent>& events) {
+void SimulatedSwitch::move(std::int64_t from_ns, const Setpoint& from, std::int64_t to_ns, const Setpoint& to,
+                           std::vector<LineEvent>& events) {
   const double seconds = static_cast<double>(to_ns - from_ns) / second_ns;
   for (int part = 1; part <= parts; ++part) {
     double low = static_cast<double>(part - 1) / parts;

@@ -38,8 +38,8 @@ class SimulatedSwitch {
   SimulatedSwitch(const Settings& settings, double position, std::uint32_t seed);
 
   /// The axis moves from one setpoint to the next, and the edges on the way are added to `events`, in order.
-  void move(std::int64_t from_ns, const Setpoint<double>& from, std::int64_t to_ns,
-            const Setpoint<double>& to, std::vector<LineEvent>& events);
+  void move(std::int64_t from_ns, const Setpoint& from, std::int64_t to_ns, const Setpoint& to,
+            std::vector<LineEvent>& events);
   /// The level of the line at the end of the last motion.
   [[nodiscard]] bool level() const { return level_; }
   /// From now on.

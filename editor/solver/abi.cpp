@@ -20,8 +20,8 @@ Exchange exchange;
 constexpr std::size_t max_arm_joints = 256;
 /// ib_poses reads from the second half of the numbers and writes into the first.
 constexpr std::size_t pose_numbers = max_numbers / 2;
-JointStorage<double, max_arm_joints> joint_memory;
-std::optional<JointTree<double>> tree;
+JointStorage<max_arm_joints> joint_memory;
+std::optional<JointTree> tree;
 
 std::int32_t answer(const Status& status) {
   if (status) return 1;
@@ -29,17 +29,17 @@ std::int32_t answer(const Status& status) {
   return 0;
 }
 
-void write_peak(Writer& out, const Peak<double>& peak) {
+void write_peak(Writer& out, const Peak& peak) {
   out.number(peak.value);
   out.number(peak.frame);
 }
 
-FrameTime<double> time_at(double frame) {
-  return moved_by<double>({0, 0}, frame);
+FrameTime time_at(double frame) {
+  return moved_by({0, 0}, frame);
 }
 
 /// A point of a track at s counted in segments: of an open path of n segments up to n.
-PathPoint<double> point_at(const Path<double>& path, double s) {
+PathPoint point_at(const Path& path, double s) {
   const auto segments = static_cast<double>(path.segment_count());
   const double whole = std::clamp(std::floor(s), 0.0, segments);
   return {static_cast<int>(whole), whole < segments ? s - whole : 0};
@@ -96,7 +96,7 @@ std::int32_t ib_assemble() {
 std::int32_t ib_track(std::int32_t index) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;
-  const Track<double>& track = slot->track();
+  const Track& track = slot->track();
   const std::uint64_t hash = hash_of(slot->table().points());
   Writer out(exchange);
   out.integer(static_cast<std::int32_t>(static_cast<std::uint32_t>(hash)));
@@ -125,9 +125,9 @@ std::int32_t ib_played_values(std::int32_t index) {
 std::int32_t ib_path(std::int32_t index, std::int32_t per_segment) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr || per_segment < 1) return 0;
-  const Path<double>& path = slot->track().path();
+  const Path& path = slot->track().path();
   Writer out(exchange);
-  const auto write = [&](const PathPoint<double>& point) {
+  const auto write = [&](const PathPoint& point) {
     for (std::int32_t d = 0; d < path.axis_count(); ++d) out.number(path.position(point, d));
   };
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
@@ -144,10 +144,10 @@ std::int32_t ib_path(std::int32_t index, std::int32_t per_segment) {
 std::int32_t ib_frames(std::int32_t index) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;
-  const Track<double>& track = slot->track();
+  const Track& track = slot->track();
   Writer out(exchange);
   for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
-    const FrameRow<double> row = frame_row(track, slot->table(), frame);
+    const FrameRow row = frame_row(track, slot->table(), frame);
     out.number(track.path().parameter(row.point));
     out.number(row.distance);
     out.number(row.speed);
@@ -164,7 +164,7 @@ std::int32_t ib_frames(std::int32_t index) {
 std::int32_t ib_speed(std::int32_t index, std::int32_t samples) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr || samples < 2) return 0;
-  const Track<double>& track = slot->track();
+  const Track& track = slot->track();
   Writer out(exchange);
   for (std::int32_t i = 0; i < samples; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(samples - 1);
@@ -180,7 +180,7 @@ std::int32_t ib_speed(std::int32_t index, std::int32_t samples) {
 std::int32_t ib_key_frames(std::int32_t index) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;
-  const Track<double>& track = slot->track();
+  const Track& track = slot->track();
   Writer out(exchange);
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
     out.integer(track.path().key_at(i).value_or(-1));
@@ -193,8 +193,8 @@ std::int32_t ib_key_frames(std::int32_t index) {
 std::int32_t ib_at(std::int32_t index, double s) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;
-  const Path<double>& path = slot->track().path();
-  const PathPoint<double> point = point_at(path, s);
+  const Path& path = slot->track().path();
+  const PathPoint point = point_at(path, s);
   Writer out(exchange);
   for (std::int32_t d = 0; d < path.axis_count(); ++d) out.number(path.position(point, d));
   return 1;
@@ -227,15 +227,13 @@ std::int32_t ib_certificate() {
   out.integer(breach.axis);
   out.integer(breach.quantity);
   out.number(found.highest_rate());
-  const LongestStop<double> longest =
-      found.stops() ? found.stops()->longest_in_time() : LongestStop<double>{};
+  const LongestStop longest = found.stops() ? found.stops()->longest_in_time() : LongestStop{};
   for (const double number : {longest.length.seconds, longest.length.frames, longest.from_frame, breach.value,
                               breach.limit, breach.frame}) {
     out.number(number);
   }
-  for (const AxisPeaks<double>& axis : found.peaks()) {
-    for (const Peak<double>& peak :
-         {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
+  for (const AxisPeaks& axis : found.peaks()) {
+    for (const Peak& peak : {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
       write_peak(out, peak);
     }
   }
@@ -262,12 +260,12 @@ std::int32_t ib_certificate() {
 std::int32_t ib_motion(double first, double step, std::int32_t samples) {
   if (!session.is_assembled()) return 0;
   const Certificate& certificate = session.certificate();
-  std::array<AxisMotion<double>, max_move_axes> motion;
-  const std::span<AxisMotion<double>> axes = std::span(motion).first(certificate.move().axis_count());
+  std::array<AxisMotion, max_move_axes> motion;
+  const std::span<AxisMotion> axes = std::span(motion).first(certificate.move().axis_count());
   Writer out(exchange);
   for (std::int32_t i = 0; i < samples; ++i) {
     certificate.motion(time_at(first + step * i), axes);
-    for (const AxisMotion<double>& axis : axes) {
+    for (const AxisMotion& axis : axes) {
       for (const double number : {axis.position, axis.velocity, axis.acceleration, axis.jerk})
         out.number(number);
     }
@@ -278,15 +276,15 @@ std::int32_t ib_motion(double first, double step, std::int32_t samples) {
 /// The joints of the rig, of which ib_poses knows from then on. Integers: kind, parent and coordinate of each
 /// joint. Numbers of each joint: factor, offset, place and three axes of its origin, its own axis.
 std::int32_t ib_joints(std::int32_t joint_count, std::int32_t coordinate_count) {
-  std::array<Joint<double>, max_arm_joints> joints;
+  std::array<Joint, max_arm_joints> joints;
   if (joint_count < 0 || static_cast<std::size_t>(joint_count) > max_arm_joints) return 0;
   Reader in(exchange);
   const auto vector = [&] {
     const double x = in.number();
     const double y = in.number();
-    return Vector3<double>{x, y, in.number()};
+    return Vector3{x, y, in.number()};
   };
-  for (Joint<double>& joint : std::span(joints).first(static_cast<std::size_t>(joint_count))) {
+  for (Joint& joint : std::span(joints).first(static_cast<std::size_t>(joint_count))) {
     joint.kind = static_cast<JointKind>(std::clamp(in.integer(), 0, 2));
     joint.parent = in.integer();
     joint.coordinate = in.integer();
@@ -298,8 +296,8 @@ std::int32_t ib_joints(std::int32_t joint_count, std::int32_t coordinate_count) 
     joint.origin.rotation.z = vector();
     joint.axis = vector();
   }
-  const auto made = JointTree<double>::make(std::span(joints).first(static_cast<std::size_t>(joint_count)),
-                                            coordinate_count, joint_memory);
+  const auto made = JointTree::make(std::span(joints).first(static_cast<std::size_t>(joint_count)),
+                                    coordinate_count, joint_memory);
   tree = made ? std::optional(*made) : std::nullopt;
   return made ? 1 : answer(made.error());
 }
@@ -310,8 +308,8 @@ std::int32_t ib_poses(std::int32_t count) {
   if (!tree) return 0;
   const std::size_t coordinates = tree->coordinate_count();
   std::array<double, max_move_axes> at;
-  std::array<Pose<double>, max_arm_joints> poses;
-  const std::span<Pose<double>> links = std::span(poses).first(tree->joints().size());
+  std::array<Pose, max_arm_joints> poses;
+  const std::span<Pose> links = std::span(poses).first(tree->joints().size());
   if (count < 0 || coordinates > at.size() ||
       static_cast<std::size_t>(count) * std::max(3 * links.size(), coordinates) > pose_numbers)
     return 0;
@@ -321,7 +319,7 @@ std::int32_t ib_poses(std::int32_t count) {
     std::ranges::copy(in.subspan(i * coordinates, coordinates), at.begin());
     if (const Status status = tree->poses(std::span(at).first(coordinates), links); !status)
       return answer(status);
-    for (const Pose<double>& pose : links) {
+    for (const Pose& pose : links) {
       for (const double number : {pose.position.x, pose.position.y, pose.position.z}) out.number(number);
     }
   }

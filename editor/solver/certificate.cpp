@@ -5,25 +5,25 @@
 #include <limits>
 
 namespace inbetween::editor {
-Status Certificate::make(std::span<const Track<double>> tracks, std::span<const AxisLimits<double>> limits,
+Status Certificate::make(std::span<const Track> tracks, std::span<const AxisLimits> limits,
                          std::span<const CalibratedMotor> motors, std::int32_t rate_hz) {
   tracks_ = tracks;
   limits_ = limits;
   motors_ = motors;
   rate_hz_ = rate_hz;
   axes_ = 0;
-  for (const Track<double>& track : tracks) axes_ += static_cast<std::size_t>(track.path().axis_count());
+  for (const Track& track : tracks) axes_ += static_cast<std::size_t>(track.path().axis_count());
   cells_ = step_count_ = 0;
   highest_rate_ = 0;
   move_.reset();
   stops_.reset();
   stop_obstacle_.reset();
   roll_obstacle_.reset();
-  MoveRolls<double> rolls;
+  MoveRolls rolls;
   if (has_limits()) {
     if (const Status rolled = make_rolls(rolls); !rolled) return rolled;
   }
-  const auto move = Move<double>::make(tracks, rolls);
+  const auto move = Move::make(tracks, rolls);
   if (!move) return move.error();
   move_ = *move;
   if (!has_limits()) return Done{};
@@ -32,20 +32,20 @@ Status Certificate::make(std::span<const Track<double>> tracks, std::span<const 
   return Done{};
 }
 
-void Certificate::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
-  const std::span<const RollAxis<double>> rolls = move_->rolls_at(time);
+void Certificate::motion(const FrameTime& time, std::span<AxisMotion> out) const {
+  const std::span<const RollAxis> rolls = move_->rolls_at(time);
   for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
   if (!rolls.empty()) return;
-  for (const Track<double>& track : tracks_) {
-    const std::span<AxisMotion<double>> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
+  for (const Track& track : tracks_) {
+    const std::span<AxisMotion> axes = out.first(static_cast<std::size_t>(track.path().axis_count()));
     out = out.subspan(axes.size());
     static_cast<void>(track.motion(move_->within_part(time), axes));
     if (!move_->rests_at(time)) continue;
-    for (AxisMotion<double>& axis : axes) axis = {.position = axis.position};
+    for (AxisMotion& axis : axes) axis = {.position = axis.position};
   }
 }
 
-Status Certificate::make_rolls(MoveRolls<double>& rolls) {
+Status Certificate::make_rolls(MoveRolls& rolls) {
   const auto of_axes = [&](auto& memory) { return std::span(memory).first(axes_); };
   const WholeFrames whole{0, tracks_.front().frames()};
   const auto joined =
@@ -60,7 +60,7 @@ Status Certificate::make_rolls(MoveRolls<double>& rolls) {
 
 Status Certificate::bound() {
   cells_ = stop_cells(*move_, rate_hz_, 1);
-  write_room<double>(limits_, 1, tick_seconds(), storage_.room);
+  write_room(limits_, 1, tick_seconds(), storage_.room);
   MoveBounds bounds = storage_.bounds(*move_, cells_, motors_.size());
   MoveBoundsMemory memory = storage_.memory();
   memory.motor_joints = motor_joints_;
@@ -73,9 +73,9 @@ Status Certificate::bound() {
 }
 
 Status Certificate::bound_stops(const MotionCells& motion) {
-  const StopRequest<double> request{.motion = motion, .limits = limits_, .tick_seconds = tick_seconds()};
+  const StopRequest request{.motion = motion, .limits = limits_, .tick_seconds = tick_seconds()};
   const auto bounds =
-      StopBounds<double>::make(request, std::span(stop_cells_).first(cells_ + 1), {}, &stop_obstacle_);
+      StopBounds::make(request, std::span(stop_cells_).first(cells_ + 1), {}, &stop_obstacle_);
   if (bounds) {
     stops_ = *bounds;
   } else if (!stop_obstacle_) {
@@ -102,7 +102,7 @@ void Certificate::find_ceiling(const MotionCells& motion) {
 }
 
 void Certificate::lower(CellCeiling& ceiling, const MotionTriple& suprema, std::size_t axis) const {
-  const AxisLimits<double>& limits = limits_[axis];
+  const AxisLimits& limits = limits_[axis];
   const double jerk = limits.max_jerk().value_or(std::numeric_limits<double>::infinity());
   // A magnitude of 0 gives an infinite rate: nothing of this axis is in the way.
   const std::array rates{limits.max_velocity() / suprema[0],
@@ -116,12 +116,12 @@ void Certificate::lower(CellCeiling& ceiling, const MotionTriple& suprema, std::
 std::optional<Breach> Certificate::first_breach() const {
   if (const std::optional<Breach> found = inbetween::first_breach(judged())) return found;
   if (roll_obstacle_) {
-    const RollBreach<double>& roll = *roll_obstacle_;
+    const RollBreach& roll = *roll_obstacle_;
     return Breach{BreachKind::roll, roll.axis,  static_cast<std::int32_t>(roll.quantity),
                   roll.value,       roll.limit, roll.frame};
   }
   if (stop_obstacle_) {
-    const StopObstacle<double>& stop = *stop_obstacle_;
+    const StopObstacle& stop = *stop_obstacle_;
     return Breach{BreachKind::stop, stop.axis,  static_cast<std::int32_t>(stop.quantity),
                   stop.value,       stop.limit, stop.frame};
   }

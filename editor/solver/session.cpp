@@ -27,7 +27,7 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
   }
   Reader reader(arguments);
   TrackInput input;
-  PathSpec<double>& path = input.path;
+  PathSpec& path = input.path;
   path.spline = static_cast<Spline>(std::clamp(reader.integer(), 0, 3));
   path.closed = reader.integer() != 0;
   path.axis_count = reader.integer();
@@ -80,16 +80,16 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
               static_cast<std::int16_t>(reader.integer())};
     }
     const std::size_t rows = count * static_cast<std::size_t>(weights);
-    for (Cubic<double>& cubic : std::span(cubics_).first(rows)) {
+    for (Cubic& cubic : std::span(cubics_).first(rows)) {
       cubic = {reader.number(), reader.number(), reader.number(), reader.number()};
     }
-    input.cubics = CubicPathSpec<double>{.spline = path.spline,
-                                         .closed = path.closed,
-                                         .axis_count = path.axis_count,
-                                         .key_count = keys,
-                                         .cubics = std::span(cubics_).first(rows),
-                                         .weights = path.weights,
-                                         .knots = std::span(knots_).first(count)};
+    input.cubics = CubicPathSpec{.spline = path.spline,
+                                 .closed = path.closed,
+                                 .axis_count = path.axis_count,
+                                 .key_count = keys,
+                                 .cubics = std::span(cubics_).first(rows),
+                                 .weights = path.weights,
+                                 .knots = std::span(knots_).first(count)};
   }
   if (!reader.is_complete()) return incomplete;
   return slots_[static_cast<std::size_t>(index)].solve(input);
@@ -111,7 +111,7 @@ Status Session::assemble(const Exchange& arguments) {
   }
   if (rate_hz < 1) return incomplete;
   track_count_ = 0;
-  auto* const tracks = reinterpret_cast<Track<double>*>(tracks_.data());
+  auto* const tracks = reinterpret_cast<Track*>(tracks_.data());
   for (std::int32_t i = 0; i < count; ++i) {
     const TrackSlot* const slot = solved(i);
     if (slot == nullptr) return incomplete;
@@ -124,7 +124,7 @@ Status Session::assemble(const Exchange& arguments) {
     if (const Status read = read_motor(m, reader); !read) return read;
   }
   if (!reader.is_complete()) return incomplete;
-  const std::span limits(reinterpret_cast<const AxisLimits<double>*>(limits_.data()), limit_count);
+  const std::span limits(reinterpret_cast<const AxisLimits*>(limits_.data()), limit_count);
   const Status certified =
       certificate_.make(this->tracks(), limits, std::span(motors_).first(motor_count), rate_hz);
   assembled_ = certified.has_value();
@@ -132,17 +132,17 @@ Status Session::assemble(const Exchange& arguments) {
 }
 
 Status Session::read_limits(std::size_t count, Reader& reader) {
-  auto* const limits = reinterpret_cast<AxisLimits<double>*>(limits_.data());
+  auto* const limits = reinterpret_cast<AxisLimits*>(limits_.data());
   for (std::size_t d = 0; d < count; ++d) {
-    AxisLimitsSpec<double> spec{.min = reader.number(),
-                                .max = reader.number(),
-                                .max_velocity = reader.number(),
-                                .max_acceleration = reader.number()};
+    AxisLimitsSpec spec{.min = reader.number(),
+                        .max = reader.number(),
+                        .max_velocity = reader.number(),
+                        .max_acceleration = reader.number()};
     spec.max_jerk = given(reader.number());
     spec.max_acceleration_step = given(reader.number());
     spec.stop_acceleration = given(reader.number());
     spec.stop_jerk = given(reader.number());
-    const auto made = AxisLimits<double>::make(spec);
+    const auto made = AxisLimits::make(spec);
     if (!made) {
       Error error = made.error();
       error.axis = static_cast<std::int32_t>(d);
@@ -154,17 +154,17 @@ Status Session::read_limits(std::size_t count, Reader& reader) {
 }
 
 Status Session::read_motor(std::size_t number, Reader& reader) {
-  constexpr std::size_t max_marks = Calibration<double>::max_marks;
-  std::array<CalibrationMark<double>, max_marks> marks;
+  constexpr std::size_t max_marks = Calibration::max_marks;
+  std::array<CalibrationMark, max_marks> marks;
   const std::int32_t axis = reader.integer();
   const std::int32_t count = reader.integer();
   if (axis < 0 || count < 0 || static_cast<std::size_t>(count) > max_marks) return incomplete;
-  const std::span<CalibrationMark<double>> of_motor = std::span(marks).first(static_cast<std::size_t>(count));
-  for (CalibrationMark<double>& mark : of_motor) mark = {reader.number(), reader.number()};
-  const auto curve = Calibration<double>::make(
-      of_motor, std::span(curve_pieces_).subspan(number * (max_marks + 1), max_marks + 1));
+  const std::span<CalibrationMark> of_motor = std::span(marks).first(static_cast<std::size_t>(count));
+  for (CalibrationMark& mark : of_motor) mark = {reader.number(), reader.number()};
+  const auto curve =
+      Calibration::make(of_motor, std::span(curve_pieces_).subspan(number * (max_marks + 1), max_marks + 1));
   if (!curve) return curve.error();
-  auto* const curves = reinterpret_cast<Calibration<double>*>(curves_.data());
+  auto* const curves = reinterpret_cast<Calibration*>(curves_.data());
   motors_[number] = {static_cast<std::size_t>(axis), std::construct_at(curves + number, *curve)};
   return Done{};
 }
@@ -175,8 +175,8 @@ const TrackSlot* Session::solved(std::int32_t index) const {
   return slot.is_solved() ? &slot : nullptr;
 }
 
-std::span<const Track<double>> Session::tracks() const {
-  return {reinterpret_cast<const Track<double>*>(tracks_.data()), track_count_};
+std::span<const Track> Session::tracks() const {
+  return {reinterpret_cast<const Track*>(tracks_.data()), track_count_};
 }
 
 }  // namespace inbetween::editor

@@ -24,21 +24,21 @@ class Session {
   [[nodiscard]] const Certificate& certificate() const { return certificate_; }
 
  private:
-  [[nodiscard]] std::span<const Track<double>> tracks() const;
+  [[nodiscard]] std::span<const Track> tracks() const;
   Status read_limits(std::size_t count, Reader& reader);
   Status read_motor(std::size_t number, Reader& reader);
 
   std::array<TrackSlot, max_tracks> slots_;
   std::array<KeyLock, max_locks> locks_;
-  std::array<KeyShape<double>, max_keys> shapes_;
-  std::array<Cubic<double>, max_segments*(max_axes + max_guides)> cubics_;
+  std::array<KeyShape, max_keys> shapes_;
+  std::array<Cubic, max_segments*(max_axes + max_guides)> cubics_;
   std::array<FrameKnot, max_segments> knots_;
   /// Tracks one after the other, as Move wants them; a Track has no value without a path.
-  alignas(Track<double>) std::array<std::byte, max_tracks * sizeof(Track<double>)> tracks_;
+  alignas(Track) std::array<std::byte, max_tracks * sizeof(Track)> tracks_;
   std::size_t track_count_ = 0;
-  alignas(AxisLimits<double>) std::array<std::byte, max_moved * sizeof(AxisLimits<double>)> limits_;
-  alignas(Calibration<double>) std::array<std::byte, max_move_axes * sizeof(Calibration<double>)> curves_;
-  std::array<CalibrationPiece<double>, max_move_axes*(Calibration<double>::max_marks + 1)> curve_pieces_;
+  alignas(AxisLimits) std::array<std::byte, max_moved * sizeof(AxisLimits)> limits_;
+  alignas(Calibration) std::array<std::byte, max_move_axes * sizeof(Calibration)> curves_;
+  std::array<CalibrationPiece, max_move_axes*(Calibration::max_marks + 1)> curve_pieces_;
   std::array<CalibratedMotor, max_move_axes> motors_;
   Certificate certificate_;
   bool assembled_ = false;

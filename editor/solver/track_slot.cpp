@@ -38,30 +38,29 @@ Status TrackSlot::solve(const TrackInput& input) {
   if (const Status fitting = fits(input); !fitting) return fitting;
   const auto path = make_path(input);
   if (!path) return path.error();
-  const auto arc_length = ArcLength<double>::make(*path, {}, arc_length_.memory());
+  const auto arc_length = ArcLength::make(*path, {}, arc_length_.memory());
   if (!arc_length) return arc_length.error();
   const auto track = make_track(input, *path, *arc_length);
   if (!track) return track.error();
-  const auto table = closed_form_table<double>(*track, points_);
+  const auto table = closed_form_table(*track, points_);
   if (!table) return table.error();
   track_ = *track;
   table_ = *table;
   return Done{};
 }
 
-Result<Path<double>> TrackSlot::make_path(const TrackInput& input) {
-  const PathMemory<double> memory{cubics_, weights_, knots_};
-  if (input.cubics) return Path<double>::make_of_cubics(*input.cubics, memory);
-  PathSpec<double> path = input.path;
+Result<Path> TrackSlot::make_path(const TrackInput& input) {
+  const PathMemory memory{cubics_, weights_, knots_};
+  if (input.cubics) return Path::make_of_cubics(*input.cubics, memory);
+  PathSpec path = input.path;
   if (!input.key_frames.empty() && input.kinetic == Kinetic::curves) path.key_frames = input.key_frames;
-  return Path<double>::make(path, memory);
+  return Path::make(path, memory);
 }
 
-Result<Track<double>> TrackSlot::make_track(const TrackInput& input, const Path<double>& path,
-                                            const ArcLength<double>& arc_length) {
+Result<Track> TrackSlot::make_track(const TrackInput& input, const Path& path, const ArcLength& arc_length) {
   if (!input.key_frames.empty()) {
-    return Track<double>::make_with_key_frames(path, arc_length, input.key_frames, input.kinetic,
-                                               input.frames, input.fps, {.key_intervals = key_intervals_});
+    return Track::make_with_key_frames(path, arc_length, input.key_frames, input.kinetic, input.frames,
+                                       input.fps, {.key_intervals = key_intervals_});
   }
   if (input.control_values.size() > max_values) {
     return too_large("the speed curve has more control values than this page solves",
@@ -74,29 +73,28 @@ Result<Track<double>> TrackSlot::make_track(const TrackInput& input, const Path<
   if (!input.locks.empty()) {
     if (const Status adjusted = adjust(input, path, arc_length); !adjusted) return adjusted.error();
   }
-  const auto profile = SpeedProfile<double>::make(played_, profile_.memory(), input.ends);
+  const auto profile = SpeedProfile::make(played_, profile_.memory(), input.ends);
   if (!profile) return profile.error();
-  return Track<double>::make_with_breaks(path, arc_length, *profile, input.frames, input.fps,
-                                         std::span(breaks_).first(break_count_),
-                                         {.span_distances = span_distances_, .portions = portions_});
+  return Track::make_with_breaks(path, arc_length, *profile, input.frames, input.fps,
+                                 std::span(breaks_).first(break_count_),
+                                 {.span_distances = span_distances_, .portions = portions_});
 }
 
-Status TrackSlot::adjust(const TrackInput& input, const Path<double>& path,
-                         const ArcLength<double>& arc_length) {
+Status TrackSlot::adjust(const TrackInput& input, const Path& path, const ArcLength& arc_length) {
   // The profile's own checks come first, so that a bad control value is named as such.
-  if (const auto drawn = SpeedProfile<double>::make(played_, profile_.memory(), input.ends); !drawn) {
+  if (const auto drawn = SpeedProfile::make(played_, profile_.memory(), input.ends); !drawn) {
     return drawn.error();
   }
   std::size_t count = 0;
   for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
     distances_[count++] = arc_length.segment_begin(i).high;
   }
-  const auto timing = adjust_to_locks<double>({.control_values = played_,
-                                               .key_distances = std::span(distances_).first(count),
-                                               .locks = input.locks,
-                                               .frames = input.frames,
-                                               .ends = input.ends},
-                                              key_timing_.memory());
+  const auto timing = adjust_to_locks({.control_values = played_,
+                                       .key_distances = std::span(distances_).first(count),
+                                       .locks = input.locks,
+                                       .frames = input.frames,
+                                       .ends = input.ends},
+                                      key_timing_.memory());
   if (!timing) return timing.error();
   played_ = timing->control_values;
   for (const KeyLock& lock : timing->locks) {

@@ -24,9 +24,9 @@ inline constexpr std::size_t max_table_frames = 50'000;
 
 /// What a track is solved from. Every span may go when solve() returns.
 struct TrackInput {
-  PathSpec<double> path;
-  std::optional<CubicPathSpec<double>> cubics;  ///< in place of `path`
-  std::span<const double> control_values;       ///< empty with key_frames
+  PathSpec path;
+  std::optional<CubicPathSpec> cubics;     ///< in place of `path`
+  std::span<const double> control_values;  ///< empty with key_frames
   CurveEnds ends = CurveEnds::natural;
   std::span<const KeyLock> locks;
   std::span<const std::int32_t> key_frames;
@@ -44,35 +44,34 @@ class TrackSlot {
   Status solve(const TrackInput& input);
 
   [[nodiscard]] bool is_solved() const { return table_.has_value(); }
-  [[nodiscard]] const Track<double>& track() const { return *track_; }
-  [[nodiscard]] const FrameTable<double>& table() const { return *table_; }
+  [[nodiscard]] const Track& track() const { return *track_; }
+  [[nodiscard]] const FrameTable& table() const { return *table_; }
   /// The control values that are played: the drawn ones, or what locked keys made of them. None of a track
   /// that is timed by frames.
   [[nodiscard]] std::span<const double> played_values() const { return played_; }
 
  private:
-  Result<Path<double>> make_path(const TrackInput& input);
-  Result<Track<double>> make_track(const TrackInput& input, const Path<double>& path,
-                                   const ArcLength<double>& arc_length);
-  Status adjust(const TrackInput& input, const Path<double>& path, const ArcLength<double>& arc_length);
+  Result<Path> make_path(const TrackInput& input);
+  Result<Track> make_track(const TrackInput& input, const Path& path, const ArcLength& arc_length);
+  Status adjust(const TrackInput& input, const Path& path, const ArcLength& arc_length);
 
-  std::array<Cubic<double>, (max_segments + 1) * (max_axes + max_guides)> cubics_;
+  std::array<Cubic, (max_segments + 1) * (max_axes + max_guides)> cubics_;
   std::array<double, max_axes + max_guides> weights_;
   std::array<FrameKnot, max_segments> knots_;
-  ArcLengthStorage<double, max_segments, max_pieces> arc_length_;
-  SpeedProfileStorage<double, max_values> profile_;
-  std::array<SpanDistance<double>, max_values> span_distances_;
-  std::array<Portion<double>, max_locks + 1> portions_;
-  std::array<KeyInterval<double>, max_segments> key_intervals_;
+  ArcLengthStorage<max_segments, max_pieces> arc_length_;
+  SpeedProfileStorage<max_values> profile_;
+  std::array<SpanDistance, max_values> span_distances_;
+  std::array<Portion, max_locks + 1> portions_;
+  std::array<KeyInterval, max_segments> key_intervals_;
   std::array<double, max_segments + 1> distances_;
-  KeyTimingStorage<double, max_locks, max_values> key_timing_;
+  KeyTimingStorage<max_locks, max_values> key_timing_;
   std::array<BreakKey, max_locks> breaks_;
   std::size_t break_count_ = 0;
-  std::array<PathPoint<double>, max_table_frames + 1> points_;
+  std::array<PathPoint, max_table_frames + 1> points_;
   std::array<double, max_values> values_;
   std::span<const double> played_;
-  std::optional<Track<double>> track_;
-  std::optional<FrameTable<double>> table_;
+  std::optional<Track> track_;
+  std::optional<FrameTable> table_;
 };
 
 }  // namespace inbetween::editor

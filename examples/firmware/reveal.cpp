@@ -31,8 +31,8 @@ constexpr std::int32_t rate_hz = 250;
 /// All memory of the move. Large objects are static: the stack is for calls. The move is solved in double on
 /// every processor: that takes some hundred milliseconds on a Cortex-M4, once, and the move is the same
 /// everywhere. The tick is evaluated in floats, which both have instructions for.
-TrackStorage<double, keys.size() / axis_count, axis_count, speed.size()> storage;
-std::array<PathPoint<double>, frames + 1> rows;
+TrackStorage<keys.size() / axis_count, axis_count, speed.size()> storage;
+std::array<PathPoint, frames + 1> rows;
 std::array<SampledJoint, 60> joints;
 TrajectoryStorage<axis_count, 200, 30> trajectory_storage;
 std::array<CountTrajectoryPiece, 300> count_pieces;
@@ -67,27 +67,27 @@ bool refuse(const Error& error) {
   return false;
 }
 
-Result<Track<double>> solve() {
-  const auto path = Path<double>::make(
-      {.spline = Spline::smooth, .axis_count = axis_count, .keys = keys, .weights = weights},
-      storage.path.memory());
+Result<Track> solve() {
+  const auto path =
+      Path::make({.spline = Spline::smooth, .axis_count = axis_count, .keys = keys, .weights = weights},
+                 storage.path.memory());
   if (!path) return path.error();
-  const auto arc_length = ArcLength<double>::make(*path, {}, storage.arc_length.memory());
+  const auto arc_length = ArcLength::make(*path, {}, storage.arc_length.memory());
   if (!arc_length) return arc_length.error();
-  const auto profile = SpeedProfile<double>::make(speed, storage.profile.memory());
+  const auto profile = SpeedProfile::make(speed, storage.profile.memory());
   if (!profile) return profile.error();
-  return Track<double>::make(*path, *arc_length, *profile, frames, fps, storage.memory());
+  return Track::make(*path, *arc_length, *profile, frames, fps, storage.memory());
 }
 
 /// The table of frames, and whether it keeps the rules that every table keeps.
-Status check(const Track<double>& track) {
-  const auto table = closed_form_table<double>(track, rows);
+Status check(const Track& track) {
+  const auto table = closed_form_table(track, rows);
   if (!table) return table.error();
   return check_invariants(track, *table);
 }
 
 /// The motion of the track in counts.
-Result<CountTrajectory> counts_of(const Track<double>& track) {
+Result<CountTrajectory> counts_of(const Track& track) {
   const auto sampler = TrackSampler::make(track, joints);
   if (!sampler) return sampler.error();
   const auto trajectory = fit_trajectory(*sampler, {}, trajectory_storage.memory());
@@ -98,7 +98,7 @@ Result<CountTrajectory> counts_of(const Track<double>& track) {
 }  // namespace
 
 bool inbetween::board::program() {
-  const Result<Track<double>> track = solve();
+  const Result<Track> track = solve();
   if (!track) return refuse(track.error());
   if (const Status sound = check(*track); !sound) return refuse(sound.error());
   Result<CountTrajectory> counts = counts_of(*track);

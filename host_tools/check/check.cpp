@@ -24,13 +24,13 @@ CheckedAxis axis_at_rest(const RigAxis& axis) {
 }
 
 /// The larger of two peaks; where they are equal, the first.
-void raise(CheckedPeak& peak, const Peak<double>& found) {
+void raise(CheckedPeak& peak, const Peak& found) {
   if (!(found.value > peak.value)) return;
   peak.value = found.value;
   peak.frame = found.frame;
 }
 
-void raise(CheckedAxis& axis, const AxisPeaks<double>& peaks) {
+void raise(CheckedAxis& axis, const AxisPeaks& peaks) {
   if (!axis.range) axis.range = CheckedRange{peaks.lowest, peaks.highest};
   if (peaks.lowest.value < axis.range->lowest.value) axis.range->lowest = peaks.lowest;
   if (peaks.highest.value > axis.range->highest.value) axis.range->highest = peaks.highest;
@@ -49,12 +49,12 @@ void list_steps(const Plan& plan, const BoundedMove& bounded, CheckReport& repor
   }
 }
 
-void take_motors(const Plan& plan, std::span<const AxisPeaks<double>> peaks, CheckReport& report) {
+void take_motors(const Plan& plan, std::span<const AxisPeaks> peaks, CheckReport& report) {
   const std::vector<CalibratedMotor> motors = plan.calibrated_motors();
-  const std::vector<AxisLimits<double>> limits_of_motors = motor_limits(plan);
+  const std::vector<AxisLimits> limits_of_motors = motor_limits(plan);
   for (std::size_t m = 0; m < peaks.size(); ++m) {
     const std::size_t a = plan.axis_of(motors[m].axis);
-    const AxisLimits<double>& limits = limits_of_motors[m];
+    const AxisLimits& limits = limits_of_motors[m];
     report.motors.push_back({.axis = a,
                              .unit = std::string(to_string(plan.rig()->axes[a].calibration->unit)),
                              .velocity = {.limit = limits.max_velocity()},
@@ -77,8 +77,8 @@ void prove_stops(const Plan& plan, const BoundedMove& bounded, CheckReport& repo
     stops.axes.push_back({.velocity = axis.velocity, .acceleration = {}, .jerk = {}});
   }
   for (std::size_t d = 0; d < plan.limits().size(); ++d) {
-    const AxisPeaks<double>& peaks = planned.peaks()[d];
-    const AxisLimits<double>& limits = plan.limits()[d];
+    const AxisPeaks& peaks = planned.peaks()[d];
+    const AxisLimits& limits = plan.limits()[d];
     CheckedStopAxis& axis = stops.axes[plan.axis_of(d)];
     axis.acceleration.limit = limits.stop_acceleration();
     axis.jerk.limit = limits.stop_jerk();
@@ -92,8 +92,8 @@ void prove_stops(const Plan& plan, const BoundedMove& bounded, CheckReport& repo
 }
 
 void find_highest_rate(const Plan& plan, const BoundedMove& bounded, CheckReport& report) {
-  std::vector<AxisLimits<double>> limits = plan.limits();
-  for (const AxisLimits<double>& motor : motor_limits(plan)) limits.push_back(motor);
+  std::vector<AxisLimits> limits = plan.limits();
+  for (const AxisLimits& motor : motor_limits(plan)) limits.push_back(motor);
   const HighestRate rate =
       highest_rate({bounded.peaks(), bounded.steps(), limits, plan.played().axis_count()});
   report.highest_rate = rate.whole;
@@ -112,7 +112,7 @@ CheckReport check_motion(const Plan& plan, const BoundedMove& bounded) {
   const std::size_t axes = plan.played().axis_count();
   for (std::size_t d = 0; d < axes; ++d) raise(report.axes[plan.axis_of(d)], bounded.peaks()[d]);
   list_steps(plan, bounded, report);
-  for (const SolvedTrack<double>& solved : plan.tracks()) {
+  for (const SolvedTrack& solved : plan.tracks()) {
     if (!solved.track().has_profile()) continue;
     report.speed_error = std::max(report.speed_error, solved.track().arc_length().delta());
   }

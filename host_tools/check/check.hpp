@@ -34,7 +34,7 @@ struct CheckedPeak {
 };
 
 struct CheckedRange {
-  Peak<double> lowest, highest;
+  Peak lowest, highest;
 };
 
 /// An axis of the rig, in its unit and seconds.
@@ -85,7 +85,7 @@ struct CheckedStopAxis {
 
 /// Controlled stops at the drawn speed, forward and backward (StopBounds).
 struct CheckedStops {
-  LongestStop<double> longest;        ///< in seconds
+  LongestStop longest;                ///< in seconds
   std::vector<CheckedStopAxis> axes;  ///< every axis of the rig
 };
 

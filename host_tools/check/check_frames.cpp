@@ -52,9 +52,9 @@ double needed_slowing(const Plan& plan, const CheckReport& report) {
 /// late. 0 where none of them lies on a track.
 double slowing_at_peaks_of(const CheckReport& other, double scale, const Plan& plan) {
   double slowing = 0;
-  std::vector<AxisMotion<double>> motion;
-  const auto look = [&](const Track<double>& track, const PlanAxis& axis, const CheckedPeak& peak,
-                        double AxisMotion<double>::*quantity, double power) {
+  std::vector<AxisMotion> motion;
+  const auto look = [&](const Track& track, const PlanAxis& axis, const CheckedPeak& peak,
+                        double AxisMotion::*quantity, double power) {
     const double frame = peak.frame * scale;
     if (!peak.limit || !(frame >= 0 && frame < track.frames())) return;
     const auto whole = static_cast<std::int32_t>(frame);
@@ -65,12 +65,12 @@ double slowing_at_peaks_of(const CheckReport& other, double scale, const Plan& p
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
     if (!axis.track) continue;
-    const Track<double>& track = plan.tracks()[*axis.track].track();
+    const Track& track = plan.tracks()[*axis.track].track();
     motion.resize(static_cast<std::size_t>(track.path().axis_count()));
     const CheckedAxis& checked = other.axes[a];
-    look(track, axis, checked.velocity, &AxisMotion<double>::velocity, 1);
-    look(track, axis, checked.acceleration, &AxisMotion<double>::acceleration, 2);
-    look(track, axis, checked.jerk, &AxisMotion<double>::jerk, 3);
+    look(track, axis, checked.velocity, &AxisMotion::velocity, 1);
+    look(track, axis, checked.acceleration, &AxisMotion::acceleration, 2);
+    look(track, axis, checked.jerk, &AxisMotion::jerk, 3);
   }
   return slowing;
 }

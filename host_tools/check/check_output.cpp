@@ -45,7 +45,7 @@ void print_range(const CheckedAxis& axis, const Table& table) {
     print_row(table, axis.name, "in no track: it stays where it is", "", "", "", "");
     return;
   }
-  const auto print_end = [&](std::string_view name, std::string_view quantity, const Peak<double>& end,
+  const auto print_end = [&](std::string_view name, std::string_view quantity, const Peak& end,
                              double limit) {
     const bool outside = end.value < axis.limit_min || end.value > axis.limit_max;
     print_row(table, name, quantity, fmt::format("{:.6g} {}", end.value, axis.unit),
@@ -111,7 +111,7 @@ void print_steps(const CheckReport& report, const Table& table) {
 
 void print_stops(const CheckReport& report, std::FILE* out) {
   if (!report.stops) return;
-  const LongestStop<double>& longest = report.stops->longest;
+  const LongestStop& longest = report.stops->longest;
   if (!std::isfinite(report.highest_rate)) return;  // nothing moves
   double share = 0;
   for (const CheckedStopAxis& axis : report.stops->axes) {
@@ -189,7 +189,7 @@ void write_axis(JsonWriter& json, const CheckedAxis& axis) {
 void write_stops(JsonWriter& json, const CheckReport& report) {
   json.line();
   if (!report.stops) return json.member("stop", std::optional<double>());
-  const LongestStop<double>& longest = report.stops->longest;
+  const LongestStop& longest = report.stops->longest;
   json.object("stop", [&] {
     json.member("longest_s", longest.length.seconds);
     json.member("longest_frames", longest.length.frames);

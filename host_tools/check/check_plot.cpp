@@ -36,11 +36,11 @@ std::vector<double> sample_frames(const LimitsPlot& plot, const CheckedAxis& axi
 void add_rows(const Plan& plan, const CheckReport& report, std::size_t index, LimitsPlot& plot) {
   const CheckedAxis& axis = report.axes[index];
   const PlanAxis& planned = plan.axes()[index];
-  std::vector<AxisMotion<double>> motion(plan.played().axis_count());
+  std::vector<AxisMotion> motion(plan.played().axis_count());
   const auto motion_at = [&](double frame) {
     const auto whole = static_cast<std::int32_t>(std::floor(frame));
     plan.motion().motion({whole, frame - whole}, motion);
-    const AxisMotion<double>& now = motion[planned.move_axis];
+    const AxisMotion& now = motion[planned.move_axis];
     return std::array<double, 3>{now.velocity, now.acceleration, now.jerk};
   };
   // The jerk jumps at the joint with a roll, so the peak may be on one side only.

@@ -52,13 +52,13 @@ class AxisRefusals {
   }
 
   void add_position() {
-    const Peak<double>& lowest = axis_.range->lowest;
-    const Peak<double>& highest = axis_.range->highest;
+    const Peak& lowest = axis_.range->lowest;
+    const Peak& highest = axis_.range->highest;
     const RangeVerdict range = judge_range(lowest.value, highest.value, limits_of(limits_));
     if (!range.below && !range.above) return;
     const double below = limits_.min - lowest.value;
     const double above = highest.value - limits_.max;
-    const Peak<double>& worst = below > above ? lowest : highest;
+    const Peak& worst = below > above ? lowest : highest;
     const double limit = below > above ? limits_.min : limits_.max;
     const std::string value = told_apart(worst.value, limit, Digits::significant, 6).first;
     refuse(place_, worst.frame,
@@ -81,7 +81,7 @@ class AxisRefusals {
       return at >= limits_.min && at <= limits_.max;
     });
     const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
-    const Peak<double>& worst = low ? axis_.range->lowest : axis_.range->highest;
+    const Peak& worst = low ? axis_.range->lowest : axis_.range->highest;
     std::string inward =
         fmt::format("move its keys inward by {:.6g} {}",
                     rounded_up(low ? limits_.min - worst.value : worst.value - limits_.max), axis_.unit);
@@ -285,7 +285,7 @@ std::string_view name_of(RollEnd end) {
 }
 
 /// How far beyond its limit, in words: "would go to -3 mm at frame -12.00, outside 0..1500 mm".
-std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axis) {
+std::string breach_in_words(const RollBreach& breach, const RigAxis& axis) {
   const std::string_view unit = to_string(axis.unit);
   const auto [value, most] = told_apart(breach.value, breach.limit, Digits::significant, 6);
   const auto beyond = [&, &value = value, &most = most](std::string_view per, std::string_view limit) {
@@ -308,10 +308,10 @@ std::string breach_in_words(const RollBreach<double>& breach, const RigAxis& axi
 
 /// An axis that starts on its limit and moves away from it has no room, however slow it is.
 bool has_room(const Plan& plan, const RollObstacle& obstacle) {
-  const RollBreach<double>& breach = obstacle.breach;
+  const RollBreach& breach = obstacle.breach;
   if (breach.quantity != RollQuantity::position) return true;
   const double position = obstacle.joint_position;
-  const AxisLimits<double>& limits = plan.limits()[static_cast<std::size_t>(breach.axis)];
+  const AxisLimits& limits = plan.limits()[static_cast<std::size_t>(breach.axis)];
   const double room = breach.value > breach.limit ? limits.max() - position : position - limits.min();
   return room > step_rounding * (limits.max() - limits.min());
 }
@@ -327,7 +327,7 @@ void refuse_axis(const Plan& plan, std::size_t axis, CheckReport& report) {
 }
 
 void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& report) {
-  const RollBreach<double>& breach = obstacle.breach;
+  const RollBreach& breach = obstacle.breach;
   const std::size_t index = plan.axis_of(static_cast<std::size_t>(breach.axis));
   const RigAxis& axis = plan.rig()->axes[index];
   const MoveTrack& track = plan.move().tracks[*plan.axes()[index].track];
@@ -381,7 +381,7 @@ void refuse_motor(const Plan& plan, const CheckedMotor& motor, CheckReport& repo
 }
 
 void refuse_stop(const Plan& plan, const PlannedStops& planned, CheckReport& report) {
-  const StopObstacle<double>& obstacle = *planned.obstacle();
+  const StopObstacle& obstacle = *planned.obstacle();
   const std::size_t index = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
   const CheckedAxis& axis = report.axes[index];
   const bool by_jerk = obstacle.quantity == StopQuantity::jerk;

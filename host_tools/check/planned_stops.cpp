@@ -10,18 +10,18 @@ namespace inbetween {
 namespace {
 
 /// Those of the motion in place of those of a stop.
-AxisLimits<double> without_stops(const AxisLimits<double>& limits) {
-  return value_or_throw(AxisLimits<double>::make({.min = limits.min(),
-                                                  .max = limits.max(),
-                                                  .max_velocity = limits.max_velocity(),
-                                                  .max_acceleration = limits.max_acceleration(),
-                                                  .max_jerk = limits.max_jerk(),
-                                                  .stop_acceleration = limits.max_acceleration(),
-                                                  .stop_jerk = limits.max_jerk()}));
+AxisLimits without_stops(const AxisLimits& limits) {
+  return value_or_throw(AxisLimits::make({.min = limits.min(),
+                                          .max = limits.max(),
+                                          .max_velocity = limits.max_velocity(),
+                                          .max_acceleration = limits.max_acceleration(),
+                                          .max_jerk = limits.max_jerk(),
+                                          .stop_acceleration = limits.max_acceleration(),
+                                          .stop_jerk = limits.max_jerk()}));
 }
 
-std::vector<AxisLimits<double>> motion_limits_of(const Plan& plan) {
-  std::vector<AxisLimits<double>> limits;
+std::vector<AxisLimits> motion_limits_of(const Plan& plan) {
+  std::vector<AxisLimits> limits;
   for (std::size_t d = 0; d < plan.limits().size(); ++d) {
     RigAxis axis = plan.rig()->axes[plan.axis_of(d)];
     axis.stop_acceleration = axis.max_acceleration;
@@ -33,8 +33,8 @@ std::vector<AxisLimits<double>> motion_limits_of(const Plan& plan) {
 
 }  // namespace
 
-std::vector<AxisLimits<double>> motor_limits(const Plan& plan) {
-  std::vector<AxisLimits<double>> limits;
+std::vector<AxisLimits> motor_limits(const Plan& plan) {
+  std::vector<AxisLimits> limits;
   for (const CalibratedMotor& motor : plan.calibrated_motors())
     limits.push_back(limits_beside_take_up(plan.rig()->axes[plan.axis_of(motor.axis)]));
   return limits;
@@ -43,18 +43,17 @@ std::vector<AxisLimits<double>> motor_limits(const Plan& plan) {
 namespace {
 
 /// Those of every axis and motor: of a stop, or of the motion in place of those of a stop.
-std::vector<AxisLimits<double>> limits_of(const Plan& plan, bool of_stops) {
-  std::vector<AxisLimits<double>> limits = of_stops ? plan.limits() : motion_limits_of(plan);
-  for (const AxisLimits<double>& motor : motor_limits(plan))
+std::vector<AxisLimits> limits_of(const Plan& plan, bool of_stops) {
+  std::vector<AxisLimits> limits = of_stops ? plan.limits() : motion_limits_of(plan);
+  for (const AxisLimits& motor : motor_limits(plan))
     limits.push_back(of_stops ? motor : without_stops(motor));
   return limits;
 }
 
-BoundedMove bounded_in(const Plan& plan, std::size_t cells, std::span<const AxisLimits<double>> limits,
-                       double rate) {
+BoundedMove bounded_in(const Plan& plan, std::size_t cells, std::span<const AxisLimits> limits, double rate) {
   const std::vector<CalibratedMotor> motors = plan.calibrated_motors();
   std::vector<MotionTriple> room(limits.size());
-  write_room<double>(limits, rate, 1.0 / plan.rig()->rate_hz, room);
+  write_room(limits, rate, 1.0 / plan.rig()->rate_hz, room);
   return BoundedMove(plan.played(), plan.track_views(),
                      {.limits = plan.limits(), .motors = motors, .cells = cells, .room = std::move(room)});
 }
@@ -77,7 +76,7 @@ PlannedStops::PlannedStops(const Plan& plan, const BoundedMove& bounded) {
 }
 
 PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate, bool may_wait) const {
-  const std::vector<AxisLimits<double>> limits = limits_of(plan, false);
+  const std::vector<AxisLimits> limits = limits_of(plan, false);
   const BoundedMove bounded = bounded_in(plan, cells_.size() - 1, limits, rate);
   PlannedStops within;
   within.make(
@@ -86,12 +85,12 @@ PlannedStops PlannedStops::within_motion_limits(const Plan& plan, double rate, b
   return within;
 }
 
-void PlannedStops::make(const Plan& plan, StopRequest<double> request) {
+void PlannedStops::make(const Plan& plan, StopRequest request) {
   const MotionCells& motion = request.motion;
   cells_.resize(motion.line.cells + 1);
   peaks_.resize(motion.stride());
   request.tick_seconds = 1.0 / plan.rig()->rate_hz;
-  const auto bounds = StopBounds<double>::make(request, cells_, peaks_, &obstacle_);
+  const auto bounds = StopBounds::make(request, cells_, peaks_, &obstacle_);
   if (!obstacle_) {
     bounds_ = value_or_throw(bounds);
     return;

@@ -14,7 +14,7 @@
 namespace inbetween {
 
 /// What the take-up of the backlash leaves of the limits of each of Plan::calibrated_motors().
-std::vector<AxisLimits<double>> motor_limits(const Plan& plan);
+std::vector<AxisLimits> motor_limits(const Plan& plan);
 
 /// What bounds are asked for.
 enum class BoundedFor : std::uint8_t { motion, stops };
@@ -38,23 +38,23 @@ class PlannedStops {
   PlannedStops& operator=(PlannedStops&&) noexcept = default;
 
   /// Nothing where there is an obstacle.
-  [[nodiscard]] const std::optional<StopBounds<double>>& bounds() const { return bounds_; }
+  [[nodiscard]] const std::optional<StopBounds>& bounds() const { return bounds_; }
   /// A place from which no stop keeps the limits; its axis is one of Plan::played().
-  [[nodiscard]] const std::optional<StopObstacle<double>>& obstacle() const { return obstacle_; }
+  [[nodiscard]] const std::optional<StopObstacle>& obstacle() const { return obstacle_; }
   /// ... whose motor it is, if it is not the axis itself.
   [[nodiscard]] bool is_of_motor() const { return obstacle_is_of_motor_; }
   /// The most that any playing and stopping asks of each axis of Plan::played(), and behind them of each of
   /// Plan::calibrated_motors().
-  [[nodiscard]] const std::vector<AxisPeaks<double>>& peaks() const { return peaks_; }
+  [[nodiscard]] const std::vector<AxisPeaks>& peaks() const { return peaks_; }
 
  private:
   PlannedStops() = default;
-  void make(const Plan& plan, StopRequest<double> request);
+  void make(const Plan& plan, StopRequest request);
 
-  std::vector<StopCell<double>> cells_;
-  std::vector<AxisPeaks<double>> peaks_;
-  std::optional<StopBounds<double>> bounds_;
-  std::optional<StopObstacle<double>> obstacle_;
+  std::vector<StopCell> cells_;
+  std::vector<AxisPeaks> peaks_;
+  std::optional<StopBounds> bounds_;
+  std::optional<StopObstacle> obstacle_;
   bool obstacle_is_of_motor_ = false;
 };
 

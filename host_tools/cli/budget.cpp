@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <concepts>
 #include <string>
 
 #include "host_tools/files/diagnostics.hpp"
@@ -28,19 +27,13 @@ struct ElementCounts {
   std::int64_t cubics, axes, pieces, segments, spans, rows, locks, fitted;
 };
 
-template <Precise Real>
-double delta_of(const BudgetCapacity& capacity) {
-  return capacity.delta.value_or(static_cast<double>(Precision<Real>::default_delta));
-}
-
-template <Precise Real>
 ElementCounts element_counts(const BudgetCapacity& capacity) {
   ElementCounts n{};
   // A closed path of as many keys has one segment more than an open one.
   n.segments = capacity.keys;
   n.axes = capacity.axes;
   n.cubics = (n.segments + 1) * n.axes;
-  n.pieces = n.segments * usual_pieces_per_segment(delta_of<Real>(capacity));
+  n.pieces = n.segments * usual_pieces_per_segment(capacity.delta);
   n.spans = std::max(capacity.control_values - 1, 1);
   n.rows = static_cast<std::int64_t>(capacity.frames) + 1;
   n.locks = capacity.locks;
@@ -49,45 +42,39 @@ ElementCounts element_counts(const BudgetCapacity& capacity) {
 }
 
 /// The sizes in the order of object_names.
-template <Precise Real>
-std::array<std::optional<std::int64_t>, budget_object_count> bytes(const BudgetCapacity& capacity) {
-  const ElementCounts n = element_counts<Real>(capacity);
+std::array<std::int64_t, budget_object_count> bytes(const BudgetCapacity& capacity) {
+  const ElementCounts n = element_counts(capacity);
   constexpr auto size = [](std::size_t bytes) { return static_cast<std::int64_t>(bytes); };
-  const std::int64_t real = size(sizeof(Real));
-  const std::int64_t two_sum = size(sizeof(TwoSum<Real>));
+  const std::int64_t real = size(sizeof(double));
+  const std::int64_t two_sum = size(sizeof(TwoSum));
   const std::int64_t index = size(sizeof(std::int32_t));
   const auto locks = static_cast<std::size_t>(n.locks);
-  constexpr bool is_double = std::same_as<Real, double>;
   const auto numbers_of_rows = static_cast<std::int64_t>(
       lock_weight_count(locks, static_cast<std::size_t>(n.spans) + 1) + lock_entry_count(locks));
-  std::array<std::optional<std::int64_t>, budget_object_count> result{
-      n.cubics * size(sizeof(Cubic<Real>)) + n.axes * real,
-      n.pieces * (size(sizeof(ArcPiece<Real>)) + real + index) + (n.segments + 1) * (index + two_sum),
-      n.spans * size(sizeof(SpeedSpan<Real>)) + (n.spans + 1) * two_sum,
-      (n.spans + 1) * size(sizeof(SpanDistance<Real>)),
-      (n.locks + 1) * size(sizeof(Portion<Real>)),
+  std::array<std::int64_t, budget_object_count> result{
+      n.cubics * size(sizeof(Cubic)) + n.axes * real,
+      n.pieces * (size(sizeof(ArcPiece)) + real + index) + (n.segments + 1) * (index + two_sum),
+      n.spans * size(sizeof(SpeedSpan)) + (n.spans + 1) * two_sum,
+      (n.spans + 1) * size(sizeof(SpanDistance)),
+      (n.locks + 1) * size(sizeof(Portion)),
       4 * (n.spans + 1) * real + (n.locks + 2) * size(sizeof(KeyLock)) +
           (n.locks + 1) * (5 * real + size(sizeof(LockRow))) + numbers_of_rows * real,
-      n.segments * size(sizeof(KeyInterval<Real>)),
-      n.rows * size(sizeof(PathPoint<Real>)),
-      is_double ? std::optional(n.fitted * (size(sizeof(TrajectoryPiece)) + index) +
-                                (n.fitted + n.segments + n.spans + 1) * 4 * n.axes * real)
-                : std::nullopt,
-      is_double ? std::nullopt
-                : std::optional(n.fitted * (size(sizeof(CountTrajectoryPiece)) +
-                                            n.axes * size(sizeof(CountPolynomial)))),
-      2 * n.axes * size(sizeof(RollAxis<Real>)),
-      (budget_stop_cells + 1) * size(sizeof(StopCell<Real>)),
+      n.segments * size(sizeof(KeyInterval)),
+      n.rows * size(sizeof(PathPoint)),
+      n.fitted * (size(sizeof(TrajectoryPiece)) + index) +
+          (n.fitted + n.segments + n.spans + 1) * 4 * n.axes * real,
+      n.fitted * (size(sizeof(CountTrajectoryPiece)) + n.axes * size(sizeof(CountPolynomial))),
+      2 * n.axes * size(sizeof(RollAxis)),
+      (budget_stop_cells + 1) * size(sizeof(StopCell)),
       n.axes * (budget_stop_cells + 1) * size(sizeof(MotionTriple)),
-      size(sizeof(Playhead<Real>)),
-      (n.segments + 1) * size(sizeof(OdeSegment<Real>)),
+      size(sizeof(Playhead)),
+      (n.segments + 1) * size(sizeof(OdeSegment)),
       n.axes * size(sizeof(can::Cia402Drive)),
       size(sizeof(can::Cia402Bus)) +
-          n.axes * size(sizeof(can::Cia402Axis<Real>) + sizeof(can::PortDrive) + sizeof(std::int32_t)) +
+          n.axes * size(sizeof(can::Cia402Axis) + sizeof(can::PortDrive) + sizeof(std::int32_t)) +
           size(can::frames_per_read(static_cast<std::size_t>(n.axes)) * sizeof(can::Frame)),
   };
-  if (delta_of<Real>(capacity) < static_cast<double>(Precision<Real>::smallest_delta)) result[1] = {};
-  if (n.locks == 0) result[4] = result[5] = {};
+  if (n.locks == 0) result[4] = result[5] = 0;
   return result;
 }
 
@@ -112,42 +99,43 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
 
 // These solve a move, or every tick calls them: the stack of another function is in neither of these.
 constexpr std::array<FunctionBudget, 19> stack{{
-    {"ArcLength::make", {2880, 1600}, {3200, 1600}},
-    {"adjust_to_locks", {832, 640}, {1408, 640}},
-    {"Track::make", {640, 512}, {672, 512}},
-    {"closed_form_table", {1408, 832}, {1728, 832}},
-    {"bound_move", {5536, 0}, {6080, 0}},
-    {"StopBounds::make", {672, 480}, {864, 512}},
-    {"Track::positions", {192, 144}, {480, 144}},
-    {"Track::motion", {704, 480}, {960, 480}},
-    {"fit_trajectory", {3680, 0}, {4072, 0}},
-    {"Trajectory::positions", {448, 0}, {672, 0}},
-    {"CountTrajectory::make", {0, 1120}, {0, 1408}},
-    {"CountTrajectory::counts", {0, 48}, {0, 48}},
-    {"Playhead::tick", {768, 576}, {864, 576}},
-    {"supervise", {32, 32}, {32, 32}},
-    {"StepGenerator::advance", {1344, 960}, {1472, 960}},
-    {"StepMerge::merge", {2240, 2240}, {2240, 2240}},
-    {"Cia402Drive::make", {8192, 8192}, {8192, 8192}},
-    {"Cia402Bus::tick", {416, 416}, {416, 416}},
-    {"Cia402Bus::receive", {288, 288}, {288, 288}},
+    {"ArcLength::make", 2880, 3200},
+    {"adjust_to_locks", 832, 1408},
+    {"Track::make", 640, 672},
+    {"closed_form_table", 1408, 1728},
+    {"bound_move", 5536, 6080},
+    {"StopBounds::make", 672, 864},
+    {"Track::positions", 192, 480},
+    {"Track::motion", 704, 960},
+    {"fit_trajectory", 3680, 4072},
+    {"Trajectory::positions", 448, 672},
+    {"CountTrajectory::make", 1120, 1408},
+    {"CountTrajectory::counts", 48, 48},
+    {"Playhead::tick", 768, 864},
+    {"supervise", 32, 32},
+    {"StepGenerator::advance", 1408, 1600},
+    {"StepMerge::merge", 2240, 2240},
+    {"Cia402Drive::make", 8192, 8192},
+    {"Cia402Bus::tick", 416, 416},
+    {"Cia402Bus::receive", 288, 288},
 }};
 
 // CountTrajectory::counts is asked for in 140 on a Cortex-M7 and 130 on a Cortex-M4F.
-constexpr std::array<FunctionBudget, 13> instructions{{
-    {"fit_trajectory", {1'200'000, 0}, {29'500'000, 0}},
-    {"CountTrajectory::make", {0, 890'000}, {0, 14'700'000}},
-    {"Trajectory::positions", {310, 0}, {7450, 0}},
-    {"CountTrajectory::counts", {0, 76}, {0, 76}},
-    {"CountTrajectory::counts(longest)", {0, 76}, {0, 76}},
-    {"Track::positions", {170, 190}, {4000, 190}},
-    {"Track::motion", {520, 520}, {15'700, 530}},
-    {"frame_time_of_tick", {74, 74}, {820, 74}},
-    {"solve", {180'000, 210'000}, {6'900'000, 212'000}},
-    {"Playhead::tick", {210, 180}, {1500, 210}},
-    {"Playhead::tick(ramps)", {1150, 1200}, {16'000, 1250}},
-    {"bound_move", {3'000'000, 0}, {60'500'000, 0}},
-    {"StopBounds::make", {225'000, 275'000}, {5'000'000, 1'260'000}},
+constexpr std::array<FunctionBudget, 14> instructions{{
+    {"fit_trajectory", 1'200'000, 29'500'000},
+    {"CountTrajectory::make", 890'000, 14'700'000},
+    {"Trajectory::positions", 310, 7450},
+    {"CountTrajectory::counts", 76, 76},
+    {"CountTrajectory::counts(longest)", 76, 76},
+    {"Track::positions", 170, 4000},
+    {"Track::motion", 520, 15'700},
+    {"frame_time_of_tick", 74, 820},
+    {"frame_time_of_tick(float)", 74, 74},
+    {"solve", 180'000, 6'900'000},
+    {"Playhead::tick", 210, 1500},
+    {"Playhead::tick(ramps)", 1150, 16'000},
+    {"bound_move", 3'000'000, 60'500'000},
+    {"StopBounds::make", 225'000, 5'000'000},
 }};
 
 std::string number(std::int64_t value) {
@@ -155,13 +143,9 @@ std::string number(std::int64_t value) {
 }
 
 void print_limits(std::span<const FunctionBudget> limits, std::FILE* out) {
-  fmt::print(out, "  {:<28}{:>24}{:>24}\n", "", "Cortex-M7", "Cortex-M4F");
-  fmt::print(out, "  {:<28}{:>12}{:>12}{:>12}{:>12}\n", "", "double", "float", "double", "float");
-  for (const FunctionBudget& limit : limits) {
-    fmt::print(out, "  {:<28}{:>12}{:>12}{:>12}{:>12}\n", limit.name, number(limit.cortex_m7.in_double),
-               number(limit.cortex_m7.in_float), number(limit.cortex_m4f.in_double),
-               number(limit.cortex_m4f.in_float));
-  }
+  fmt::print(out, "  {:<40}{:>12}{:>12}\n", "", "Cortex-M7", "Cortex-M4F");
+  for (const FunctionBudget& limit : limits)
+    fmt::print(out, "  {:<40}{:>12}{:>12}\n", limit.name, limit.cortex_m7, limit.cortex_m4f);
 }
 
 can::BusUse bus_use(const BudgetCapacity& capacity, std::int64_t bitrate) {
@@ -221,32 +205,22 @@ std::int32_t usual_pieces_per_segment(double delta) {
 }
 
 std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacity& capacity) {
-  const auto in_double = bytes<double>(capacity);
-  const auto in_float = bytes<float>(capacity);
+  const auto sizes = bytes(capacity);
   std::array<BudgetObject, budget_object_count> objects;
-  for (std::size_t i = 0; i < objects.size(); ++i) objects[i] = {object_names[i], in_double[i], in_float[i]};
+  for (std::size_t i = 0; i < objects.size(); ++i) objects[i] = {object_names[i], sizes[i]};
   return objects;
 }
 
 void print_budget(const BudgetCapacity& capacity, std::FILE* out) {
-  const double wide = delta_of<double>(capacity);
-  const double single = delta_of<float>(capacity);
   fmt::print(out, "Memory in bytes for {}, {} {}, {}, {}, {}:\n", counted(capacity.keys, "key"),
              capacity.axes, capacity.axes == 1 ? "axis" : "axes",
              counted(capacity.control_values, "control value"), counted(capacity.frames, "frame"),
              counted(capacity.locks, "locked key"));
-  fmt::print(out, "  {:<40}{:>12}{:>12}\n", "", "double", "float");
-  fmt::print(out, "  {:<40}{:>12g}{:>12g}\n", "with a speed error (delta) of", wide, single);
-  fmt::print(out, "  {:<40}{:>12}{:>12}\n", "and as many pieces a segment, as a rule",
-             usual_pieces_per_segment(wide), usual_pieces_per_segment(single));
-  for (const BudgetObject& object : budget_objects(capacity)) {
-    fmt::print(out, "  {:<40}{:>12}{:>12}\n", object.name, number(object.in_double.value_or(0)),
-               number(object.in_float.value_or(0)));
-  }
-  if (single < static_cast<double>(Precision<float>::smallest_delta)) {
-    fmt::print(out, "  - single precision reaches a speed error of {:g} at best\n",
-               Precision<float>::smallest_delta);
-  }
+  fmt::print(out, "  {:<40}{:>12g}\n", "with a speed error (delta) of", capacity.delta);
+  fmt::print(out, "  {:<40}{:>12}\n", "and as many pieces a segment, as a rule",
+             usual_pieces_per_segment(capacity.delta));
+  for (const BudgetObject& object : budget_objects(capacity))
+    fmt::print(out, "  {:<40}{:>12}\n", object.name, number(object.bytes));
   fmt::print(out, "\nStack of a function with all that it calls, at most, in bytes:\n");
   print_limits(stack_limits(), out);
   fmt::print(out, "\nInstructions for three axes, on average over a move, at most:\n");

@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <optional>
 #include <span>
 #include <string_view>
+
+#include "inbetween/base/precision.hpp"
 
 /// The resources that the core takes of a machine: bytes of memory, bytes of stack, instructions per tick.
 
@@ -18,9 +19,9 @@ struct BudgetCapacity {
   std::int32_t axes = 3;
   std::int32_t control_values = 10;  ///< of the curve that is played: locked keys may refine the drawn one
   std::int32_t frames = 240;
-  std::optional<double> delta = {};  ///< absent: the default of each precision
-  std::int32_t locks = 0;            ///< keys that must be met on a frame
-  std::int32_t rate_hz = 250;        ///< ticks of a CAN bus
+  double delta = Precision::default_delta;
+  std::int32_t locks = 0;      ///< keys that must be met on a frame
+  std::int32_t rate_hz = 250;  ///< ticks of a CAN bus
 };
 
 /// The largest sizes that `budget` accepts (delta excluded). It accepts every move that the reader of moves
@@ -33,11 +34,10 @@ inline constexpr BudgetCapacity largest_budget{.keys = 10'000,
                                                .locks = 10'000,
                                                .rate_hz = 10'000};
 
-/// The size of one object of the core, in bytes. Absent: the object does not exist in that precision.
+/// The size of one object of the core, in bytes; 0 where the move has none.
 struct BudgetObject {
   std::string_view name;
-  std::optional<std::int64_t> in_double;
-  std::optional<std::int64_t> in_float;
+  std::int64_t bytes = 0;
 };
 
 inline constexpr std::size_t budget_object_count = 17;
@@ -47,10 +47,9 @@ inline constexpr std::int64_t budget_stop_cells = 256;
 
 /// The memory of every object of the core that its caller provides. Elements have the same size on x86-64,
 /// arm64 and Cortex-M (held by Embedded.CortexM7HasTheBitsOfThisMachine and its neighbours). The inverse has
-/// usual_pieces_per_segment() pieces a segment, a trajectory usual_trajectory_pieces(). It is in double, and
-/// its counts in single precision. Rolls, stop bounds and playhead are those of a move of one
-/// track. The playhead is an object itself and holds two pointers: on a Cortex-M it takes 8 bytes less. So do
-/// drives and their bus, which hold pointers and lengths.
+/// usual_pieces_per_segment() pieces a segment, a trajectory usual_trajectory_pieces(). Rolls, stop bounds
+/// and playhead are those of a move of one track. The playhead is an object itself and holds two pointers: on
+/// a Cortex-M it takes 8 bytes less. So do drives and their bus, which hold pointers and lengths.
 std::array<BudgetObject, budget_object_count> budget_objects(const BudgetCapacity& capacity);
 
 /// The number of pieces that the trajectory of a smooth path at a drawn speed usually takes, and its counts.
@@ -62,18 +61,12 @@ std::int64_t usual_trajectory_pieces(std::int64_t segments, std::int64_t spans);
 /// Paths that turn sharply at every key take up to four times as many. The core says how many it needs.
 std::int32_t usual_pieces_per_segment(double delta);
 
-/// The limits of a function on one processor. 0: it is not measured.
-struct BudgetLimit {
-  std::int32_t in_double = 0;
-  std::int32_t in_float = 0;
-};
-
-/// The limits of a function. scripts/measure-budget measures the function, and a test
+/// The limits of a function on two processors. scripts/measure-budget measures the function, and a test
 /// (tests/embedded/budget_test.cpp) holds the measured values below the limits.
 struct FunctionBudget {
   std::string_view name;
-  BudgetLimit cortex_m7;
-  BudgetLimit cortex_m4f;
+  std::int32_t cortex_m7 = 0;   ///< with a unit for double precision
+  std::int32_t cortex_m4f = 0;  ///< with one for single precision
 };
 
 /// Worst stack in bytes, with all that is called: of what every tick calls and of what solves a move.

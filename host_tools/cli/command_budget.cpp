@@ -32,12 +32,12 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
   add_count("--locks", capacity.locks, 0, largest_budget.locks,
             "keys with a frame, a hold or a break of their own");
   add_count("--rate", capacity.rate_hz, 1, largest_budget.rate_hz, "ticks of a CAN bus in a second");
-  app.add_option("--delta", capacity.delta,
-                 "largest relative error of the speed; without it 1e-6 in double, 1e-5 in single precision")
+  app.add_option("--delta", capacity.delta, "largest relative error of the speed")
+      ->capture_default_str()
       ->check([](const std::string& text) {
-        constexpr double min = Precision<double>::smallest_delta;
+        constexpr double min = Precision::smallest_delta;
         double delta = 0;
-        const double above = *largest_budget.delta;
+        const double above = largest_budget.delta;
         const bool known = CLI::detail::lexical_cast(text, delta) && delta >= min && delta < above;
         return known ? "" : fmt::format("{} is not in the range {:g} to below {:g}", text, min, above);
       });

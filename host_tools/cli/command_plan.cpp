@@ -23,9 +23,9 @@ struct PlanArguments {
 };
 
 /// Prints the change that locked keys and holds made to the drawn curve.
-void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
+void print_key_timing(const SolvedTrack& solved, std::FILE* out) {
   if (!solved.key_timing()) return;
-  const KeyTiming<double>& timing = *solved.key_timing();
+  const KeyTiming& timing = *solved.key_timing();
   const auto f = static_cast<std::int32_t>(timing.control_values.size()) - 1;
   for (std::size_t i = 0; i < timing.locks.size(); ++i) {
     const KeyLock& lock = timing.locks[i];
@@ -37,7 +37,7 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
     if (lock.hold > 0) fmt::print(out, ", at rest for {}", counted(lock.hold, "frame"));
     fmt::print(out, "{}\n", lock.breaks ? ", with a break in the speed" : "");
   }
-  for (const Portion<double>& portion : solved.track().portions()) {
+  for (const Portion& portion : solved.track().portions()) {
     fmt::print(out, "    from frame {} on K {:.6g}\n", portion.begin_frame, portion.constant);
   }
   fmt::print(out, "    speed curve: {} control values", f + 1);
@@ -49,7 +49,7 @@ void print_key_timing(const SolvedTrack<double>& solved, std::FILE* out) {
 
 /// Prints K, and what the highest control value of the drawn curve means: K alone tells an animator nothing.
 void print_constant(const Plan& plan, std::size_t t, double constant, std::FILE* out) {
-  const Track<double>& track = plan.tracks()[t].track();
+  const Track& track = plan.tracks()[t].track();
   const std::vector<double>& drawn = plan.move().tracks[t].speed;
   fmt::print(out, "K {:.6g}", constant);
   if (!drawn.empty()) {
@@ -68,8 +68,8 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
   fmt::print(out, "{}: {} at {} fps, {:.3f} s\n", move.name, frames_in_words(plan.part(), move.frames),
              move.fps.as_written, plan.duration_s());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
-    const SolvedTrack<double>& solved = plan.tracks()[t];
-    const Provenance<double>& made = solved.table().provenance();
+    const SolvedTrack& solved = plan.tracks()[t];
+    const Provenance& made = solved.table().provenance();
     const std::string unit = plan.length_unit(t);
     fmt::print(out, "  {}: {}, length {:.6g}{}{}; ", comma_separated(move.tracks[t].axes),
                counted(static_cast<std::int64_t>(move.tracks[t].keys.size()), "key"),

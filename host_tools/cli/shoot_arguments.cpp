@@ -11,7 +11,7 @@ namespace inbetween {
 namespace {
 
 /// Reads a shutter such as "0..180", in degrees of a frame.
-Shutter<double> shutter_of(const std::string& text) {
+Shutter shutter_of(const std::string& text) {
   const std::size_t dots = text.find("..");
   const auto open = number_of(std::string_view(text).substr(0, dots));
   const auto close =

@@ -40,12 +40,12 @@ void write_key(JsonWriter& json, const MoveKey& key, std::size_t index) {
 
 /// A path that the page cannot make itself: its cubics, segment after segment, with the weights of their
 /// rows.
-void write_cubics(JsonWriter& json, const Path<double>& path) {
+void write_cubics(JsonWriter& json, const Path& path) {
   json.begin_object();
   std::vector<double> numbers;
   std::vector<std::int32_t> knots;
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
-    for (const Cubic<double>& cubic : path.segment(i)) {
+    for (const Cubic& cubic : path.segment(i)) {
       numbers.insert(numbers.end(), {cubic.c0, cubic.c1, cubic.c2, cubic.c3});
     }
     const FrameKnot& knot = path.knots()[static_cast<std::size_t>(i)];
@@ -60,7 +60,7 @@ void write_cubics(JsonWriter& json, const Path<double>& path) {
 void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::string_view text,
                  const std::string& file) {
   const MoveTrack& track = plan.move().tracks[index];
-  const SolvedTrack<double>& solved = plan.tracks()[index];
+  const SolvedTrack& solved = plan.tracks()[index];
   const bool follows = track.space || track.distance;
   const bool by_frames = track.timing == Timing::frames;
   const bool is_pace = by_frames && kinetic_of(track) == MoveKinetic::pace;
@@ -110,7 +110,7 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   json.end_object();
 }
 
-void write_limits(JsonWriter& json, const AxisLimits<double>& limits) {
+void write_limits(JsonWriter& json, const AxisLimits& limits) {
   json.begin_object();
   json.member("min", limits.min());
   json.member("max", limits.max());
@@ -130,7 +130,7 @@ void write_motor(JsonWriter& json, const RigAxis& axis) {
   json.member("unit", to_string(axis.calibration->unit));
   json.key("marks");
   json.begin_array();
-  for (const CalibrationMark<double>& mark : axis.calibration->marks) {
+  for (const CalibrationMark& mark : axis.calibration->marks) {
     json.value(mark.axis);
     json.value(mark.motor);
   }
@@ -158,7 +158,7 @@ void write_axis(JsonWriter& json, const Plan& plan, std::size_t move_axis) {
   json.end_object();
 }
 
-std::array<double, 3> numbers_of(const Vector3<double>& vector) {
+std::array<double, 3> numbers_of(const Vector3& vector) {
   return {vector.x, vector.y, vector.z};
 }
 
@@ -168,7 +168,7 @@ void write_joints(JsonWriter& json, const Plan& plan) {
   const Kinematics& kinematics = *plan.kinematics();
   json.array("joints", [&] {
     for (std::size_t j = 0; j < kinematics.links().size(); ++j) {
-      const Joint<double>& joint = kinematics.tree().joints()[j];
+      const Joint& joint = kinematics.tree().joints()[j];
       json.line();
       json.begin_object();
       json.member("link", kinematics.links()[j]);
@@ -176,9 +176,8 @@ void write_joints(JsonWriter& json, const Plan& plan) {
       json.member("parent", joint.parent);
       json.member("coordinate", joint.coordinate);
       std::vector<double> numbers = {joint.factor, joint.offset};
-      const Rotation3<double>& turned = joint.origin.rotation;
-      for (const Vector3<double>& vector :
-           {joint.origin.position, turned.x, turned.y, turned.z, joint.axis}) {
+      const Rotation3& turned = joint.origin.rotation;
+      for (const Vector3& vector : {joint.origin.position, turned.x, turned.y, turned.z, joint.axis}) {
         for (const double number : numbers_of(vector)) numbers.push_back(number);
       }
       json.member("numbers", numbers);

@@ -30,25 +30,25 @@ struct MotorLimits {
 class CalibrationCurve {
  public:
   /// Nothing but `error()` where the core refuses the marks.
-  explicit CalibrationCurve(std::span<const CalibrationMark<double>> marks)
-      : pieces_(marks.size() + 1), curve_(Calibration<double>::make(marks, pieces_)) {}
+  explicit CalibrationCurve(std::span<const CalibrationMark> marks)
+      : pieces_(marks.size() + 1), curve_(Calibration::make(marks, pieces_)) {}
   CalibrationCurve(const CalibrationCurve&) = delete;
   CalibrationCurve& operator=(const CalibrationCurve&) = delete;
 
-  [[nodiscard]] const Result<Calibration<double>>& curve() const { return curve_; }
+  [[nodiscard]] const Result<Calibration>& curve() const { return curve_; }
 
  private:
-  std::vector<CalibrationPiece<double>> pieces_;
-  Result<Calibration<double>> curve_;
+  std::vector<CalibrationPiece> pieces_;
+  Result<Calibration> curve_;
 };
 
 /// The marks reach from `min` to `max` of the axis at least.
 struct AxisCalibration {
   AxisUnit unit = AxisUnit::deg;  // of the motor
-  std::vector<CalibrationMark<double>> marks;
+  std::vector<CalibrationMark> marks;
   std::shared_ptr<const CalibrationCurve> curve;  // made of them; there always
 
-  [[nodiscard]] const Calibration<double>& motor() const { return curve->curve().value(); }
+  [[nodiscard]] const Calibration& motor() const { return curve->curve().value(); }
 };
 
 struct AxisBacklash {

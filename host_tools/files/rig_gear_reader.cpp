@@ -46,9 +46,9 @@ MotorLimits read_motor_limits(const TomlTable& table) {
   return limits;
 }
 
-std::vector<CalibrationMark<double>> read_marks(const TomlValue& marks) {
-  std::vector<CalibrationMark<double>> read;
-  for (const TomlValue& mark : marks.list(Calibration<double>::max_marks)) {
+std::vector<CalibrationMark> read_marks(const TomlValue& marks) {
+  std::vector<CalibrationMark> read;
+  for (const TomlValue& mark : marks.list(Calibration::max_marks)) {
     const std::vector<TomlValue> pair = mark.list(2);
     if (pair.size() != 2) mark.refuse("is not a pair; write [position of the axis, position of the motor]");
     read.push_back({pair[0].number(), pair[1].number()});
@@ -64,10 +64,10 @@ AxisCalibration read_calibration(const TomlValue& value, const RigAxis& axis) {
   const TomlValue marks = table.required("marks", "marks = [[0.5, 0.0], [1.0, 90.0]], say");
   calibration.marks = read_marks(marks);
   calibration.curve = std::make_shared<const CalibrationCurve>(calibration.marks);
-  const Result<Calibration<double>>& curve = calibration.curve->curve();
+  const Result<Calibration>& curve = calibration.curve->curve();
   if (!curve) {
     const std::int32_t mark = curve.error().key;
-    (mark < 0 ? marks : marks.list(Calibration<double>::max_marks)[static_cast<std::size_t>(mark)])
+    (mark < 0 ? marks : marks.list(Calibration::max_marks)[static_cast<std::size_t>(mark)])
         .refuse(fmt::format("cannot be: {}; {}", curve.error().what, curve.error().remedy));
   }
   if (axis.min < calibration.marks.front().axis || axis.max > calibration.marks.back().axis) {
@@ -180,7 +180,7 @@ void read_ganged(const TomlTable& table, RigAxis& axis, const RigContext& rig) {
 
 void leave_room_for_backlash(RigAxis& axis) {
   if (!axis.backlash || axis.calibration) return;
-  const AxisLimits<double> left = limits_beside_take_up(axis);
+  const AxisLimits left = limits_beside_take_up(axis);
   axis.max_velocity = left.max_velocity();
   axis.max_acceleration = left.max_acceleration();
   axis.max_jerk = left.max_jerk();

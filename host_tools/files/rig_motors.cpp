@@ -20,17 +20,17 @@ double take_up_way(const RigAxis& axis) {
   return axis.backlash->approach_is_up == motor_rises ? -axis.backlash->play : axis.backlash->play;
 }
 
-AxisGear<double> gear_of(const RigAxis& axis, std::int32_t rate_hz) {
-  AxisGear<double> gear;
+AxisGear gear_of(const RigAxis& axis, std::int32_t rate_hz) {
+  AxisGear gear;
   if (axis.calibration) gear.calibration = &axis.calibration->motor();
   if (!axis.ganged.empty()) gear.max_skew = axis.max_skew;
   if (axis.backlash) {
-    const Backlash<double> backlash{
+    const Backlash backlash{
         .way = take_up_way(axis),
         .approach_is_up = axis.backlash->approach_is_up,
         .ticks = std::max(static_cast<std::int32_t>(std::ceil(axis.backlash->take_up_s * rate_hz)), 1),
         .min_return = count_of(axis)};
-    gear.take_up = TakeUp<double>(backlash, 1.0 / rate_hz);
+    gear.take_up = TakeUp(backlash, 1.0 / rate_hz);
   }
   return gear;
 }
@@ -45,18 +45,18 @@ std::string ganged_name(const RigAxis& axis, std::size_t ganged) {
   return fmt::format("{}.{}", axis.name, ganged + 2);
 }
 
-double motor_position(const RigAxis& axis, const AxisMotor<double>& motor, double position) {
+double motor_position(const RigAxis& axis, const AxisMotor& motor, double position) {
   if (!has_gear(axis)) return position;
   return (axis.calibration ? axis.calibration->motor().motor_at(position) : position) + motor.offset;
 }
 
-double axis_position(const RigAxis& axis, const AxisMotor<double>& motor, double position) {
+double axis_position(const RigAxis& axis, const AxisMotor& motor, double position) {
   if (!has_gear(axis)) return position;
   const double own = position - motor.offset;
   return axis.calibration ? axis.calibration->motor().axis_at(own) : own;
 }
 
-RigAxis motor_of(const RigAxis& axis, const AxisMotor<double>& motor) {
+RigAxis motor_of(const RigAxis& axis, const AxisMotor& motor) {
   RigAxis its = axis;
   its.home.reset();
   its.limit_min.reset();
@@ -108,7 +108,7 @@ RigMotors motors_of(const RigFile& rig) {
   return motors;
 }
 
-AxisLimits<double> limits_beside_take_up(const RigAxis& axis) {
+AxisLimits limits_beside_take_up(const RigAxis& axis) {
   const MotorLimits& limits = *axis.motor_limits;
   std::array<double, 3> taken{};
   if (axis.backlash) taken = take_up_peaks(axis.backlash->play, axis.backlash->take_up_s);
@@ -116,13 +116,13 @@ AxisLimits<double> limits_beside_take_up(const RigAxis& axis) {
     return limit ? std::optional(*limit - part) : std::nullopt;
   };
   const RigAxis motor = motor_of(axis, {.axis = 0, .offset = axis.offset});
-  const auto made = AxisLimits<double>::make({.min = motor.min,
-                                              .max = motor.max,
-                                              .max_velocity = limits.max_velocity - taken[0],
-                                              .max_acceleration = limits.max_acceleration - taken[1],
-                                              .max_jerk = left(limits.max_jerk, taken[2]),
-                                              .stop_acceleration = limits.stop_acceleration - taken[1],
-                                              .stop_jerk = left(limits.stop_jerk, taken[2])});
+  const auto made = AxisLimits::make({.min = motor.min,
+                                      .max = motor.max,
+                                      .max_velocity = limits.max_velocity - taken[0],
+                                      .max_acceleration = limits.max_acceleration - taken[1],
+                                      .max_jerk = left(limits.max_jerk, taken[2]),
+                                      .stop_acceleration = limits.stop_acceleration - taken[1],
+                                      .stop_jerk = left(limits.stop_jerk, taken[2])});
   return value_or_refuse(made, axis.place, named(axis));
 }
 
@@ -130,9 +130,9 @@ AxisLimits<double> limits_beside_take_up(const RigAxis& axis) {
 RigAxis slow_enough_everywhere(const RigAxis& axis) {
   if (!axis.calibration) return axis;
   constexpr double rounding = 1 - 1e-9;
-  const AxisLimits<double> motor = limits_beside_take_up(axis);
-  const CalibrationSlope<double> slope = axis.calibration->motor().bounds(
-      axis.calibration->marks.front().axis, axis.calibration->marks.back().axis);
+  const AxisLimits motor = limits_beside_take_up(axis);
+  const CalibrationSlope slope = axis.calibration->motor().bounds(axis.calibration->marks.front().axis,
+                                                                  axis.calibration->marks.back().axis);
   double share = 1;
   const auto lower = [&](const std::array<double, 3>& motion, double acceleration,
                          const std::optional<double>& jerk) {

@@ -6,7 +6,7 @@
 
 namespace inbetween {
 ControlCurve::ControlCurve(std::span<const double> values, CurveEnds ends) {
-  TwoSum<double> area;
+  TwoSum area;
   areas_.push_back(0);
   for (std::size_t i = 0; i + 1 < values.size(); ++i) {
     spans_.push_back(speed_span(values, i, ends));
@@ -15,7 +15,7 @@ ControlCurve::ControlCurve(std::span<const double> values, CurveEnds ends) {
   }
 }
 
-CurvePlace<double> ControlCurve::place_of_area(double area, const CurvePlace<double>& near) const {
+CurvePlace ControlCurve::place_of_area(double area, const CurvePlace& near) const {
   // Newton's method doubles the digits: after such a step, as a share of what is left to either end, the next
   // one would change nothing but rounding.
   constexpr double last_step = 1e-9;
@@ -27,7 +27,7 @@ CurvePlace<double> ControlCurve::place_of_area(double area, const CurvePlace<dou
   if (above == 0) return {0, 0};
   if (above == areas_.size()) return {static_cast<std::int32_t>(spans_.size()) - 1, 1};
   const std::size_t index = above - 1;
-  const SpeedSpan<double>& span = spans_[index];
+  const SpeedSpan& span = spans_[index];
   const double wanted = area - areas_[index];
   double low = 0;
   double high = 1;
@@ -51,7 +51,7 @@ CurvePlace<double> ControlCurve::place_of_area(double area, const CurvePlace<dou
 ControlCurve::Largest ControlCurve::largest() const {
   Largest found;
   for (std::size_t i = 0; i < spans_.size(); ++i) {
-    const SpeedSpan<double>& span = spans_[i];
+    const SpeedSpan& span = spans_[i];
     const auto look = [&](double t) {
       if (!(t >= 0 && t <= 1)) return;
       const double value = std::fabs(span.value(t));
@@ -71,7 +71,7 @@ ControlCurve::Largest ControlCurve::largest() const {
   return found;
 }
 
-CurvePlace<double> place_at(double a, std::size_t span_count) {
+CurvePlace place_at(double a, std::size_t span_count) {
   const double last = static_cast<double>(span_count) - 1;
   const double span = std::clamp(std::floor(a), 0.0, last);
   return {static_cast<std::int32_t>(span), std::clamp(a - span, 0.0, 1.0)};
@@ -93,7 +93,7 @@ std::vector<double> refined(std::span<const double> values, CurveEnds ends) {
   const std::size_t f = values.size() - 1;
   std::vector<double> fine(values.begin(), values.end());
   fine.resize(2 * f + 1);
-  refine_control_values<double>(fine, f, ends);
+  refine_control_values(fine, f, ends);
   return fine;
 }
 

@@ -31,9 +31,9 @@ class ControlCurve {
 
   /// f
   [[nodiscard]] std::size_t span_count() const { return spans_.size(); }
-  [[nodiscard]] CurveValues at(const CurvePlace<double>& place) const {
+  [[nodiscard]] CurveValues at(const CurvePlace& place) const {
     const auto index = static_cast<std::size_t>(place.span);
-    const SpeedSpan<double>& span = spans_[index];
+    const SpeedSpan& span = spans_[index];
     return {.area = areas_[index] + span.integral(place.t),
             .value = span.value(place.t),
             .first = span.derivative(place.t),
@@ -45,7 +45,7 @@ class ControlCurve {
   [[nodiscard]] double mean() const { return total() / static_cast<double>(span_count()); }
   /// The place where Phi first reaches `area`. The curve is nowhere negative. An area beyond the ends gives
   /// the nearer end. `near` is a place not far from it, if one is known. O(log f).
-  [[nodiscard]] CurvePlace<double> place_of_area(double area, const CurvePlace<double>& near = {}) const;
+  [[nodiscard]] CurvePlace place_of_area(double area, const CurvePlace& near = {}) const;
   /// The largest |phi|, and its a. Exact: at the ends of spans and where phi' = 0.
   struct Largest {
     double value = 0, a = 0;
@@ -53,12 +53,12 @@ class ControlCurve {
   [[nodiscard]] Largest largest() const;
 
  private:
-  std::vector<SpeedSpan<double>> spans_;
+  std::vector<SpeedSpan> spans_;
   std::vector<double> areas_;  ///< f + 1: Phi where each span begins
 };
 
 /// a = span + t, the end of the last span for a = f.
-CurvePlace<double> place_at(double a, std::size_t span_count);
+CurvePlace place_at(double a, std::size_t span_count);
 
 /// Gauss and Legendre's rule on 0..1: places and weights. It is exact up to degree 7.
 struct GaussPoint {

@@ -213,11 +213,11 @@ class CureSearch {
   /// Between the ends: there ease has no meaning.
   [[nodiscard]] static std::set<std::size_t> troubled_keys(const Judged& judged, std::size_t index) {
     std::set<std::size_t> keys;
-    const Track<double>& track = judged.plan.tracks()[index].track();
+    const Track& track = judged.plan.tracks()[index].track();
     const std::size_t last = judged.plan.move().tracks[index].keys.size() - 1;
     for (const CheckRefusal& refusal : refusals_of(judged, index)) {
       const double whole = std::floor(refusal.frame);
-      const PathPoint<double> point = track.locate({static_cast<std::int32_t>(whole), refusal.frame - whole});
+      const PathPoint point = track.locate({static_cast<std::int32_t>(whole), refusal.frame - whole});
       const auto nearest = static_cast<std::size_t>(std::lround(track.path().parameter(point)));
       if (nearest > 0 && nearest < last) keys.insert(nearest);
     }

@@ -42,7 +42,7 @@ class CurveSamples {
                                       double unit) const;
 
   std::size_t spans_;
-  std::vector<CurvePlace<double>> places_;
+  std::vector<CurvePlace> places_;
 };
 
 /// Schwarz' criterion, up to what is common to all: the less the better. `square` is the mean square of what

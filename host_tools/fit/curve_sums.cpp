@@ -72,7 +72,7 @@ CurveSums::Terms CurveSums::value(std::size_t i) const {
   return unrolled_value(i + 1);
 }
 
-CurveSums::Terms CurveSums::at(const CurvePlace<double>& place, const CurveWeights& weights) const {
+CurveSums::Terms CurveSums::at(const CurvePlace& place, const CurveWeights& weights) const {
   const auto span = static_cast<std::size_t>(place.span);
   const auto splines = splines_at(place.t, weights);
   Terms terms;

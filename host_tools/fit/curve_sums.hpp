@@ -32,7 +32,7 @@ class CurveSums {
   /// Control value i, 0..f.
   [[nodiscard]] Terms value(std::size_t i) const;
   /// The linear function of the curve at a place.
-  [[nodiscard]] Terms at(const CurvePlace<double>& place, const CurveWeights& weights) const;
+  [[nodiscard]] Terms at(const CurvePlace& place, const CurveWeights& weights) const;
 
   /// Demands what the ends say of the values beside them.
   void demand_ends(BandProgram& program) const;

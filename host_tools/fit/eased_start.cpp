@@ -27,13 +27,13 @@ struct RestingPlace {
 
 std::vector<RestingPlace> resting_places(const FittedTrack& fitted) {
   std::vector<RestingPlace> places;
-  const KeyTiming<double>& timing = *fitted.solved().key_timing();
+  const KeyTiming& timing = *fitted.solved().key_timing();
   for (const KeyLock& lock : timing.locks) {
     const double begin = timing.frame_of(lock, fitted.frames());
     const bool has_frame = lock.key >= 0 && static_cast<std::size_t>(lock.key) < fitted.file().keys.size() &&
                            fitted.file().keys[static_cast<std::size_t>(lock.key)].frame.has_value();
     const auto whole = static_cast<std::int32_t>(begin);
-    const TwoSum<double> distance = fitted.track().distance({whole, begin - whole});
+    const TwoSum distance = fitted.track().distance({whole, begin - whole});
     places.push_back({distance.high + distance.low, begin, begin + lock.hold, lock.ease && !has_frame});
   }
   return places;
@@ -41,11 +41,11 @@ std::vector<RestingPlace> resting_places(const FittedTrack& fitted) {
 
 /// From rest to rest along the path, as if each axis went its whole way straight on.
 double seconds_between(const FittedTrack& fitted, double begin, double end) {
-  const Path<double>& path = fitted.track().path();
+  const Path& path = fitted.track().path();
   std::vector<double> before(fitted.axes().size());
   std::vector<double> way(fitted.axes().size());
   for (int i = 0; i <= points_per_way; ++i) {
-    const PathPoint<double> point =
+    const PathPoint point =
         fitted.track().arc_length().locate({begin + (end - begin) * i / points_per_way, 0});
     for (std::size_t d = 0; d < way.size(); ++d) {
       const double position = path.position(point, static_cast<std::int32_t>(d));

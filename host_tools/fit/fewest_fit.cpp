@@ -86,8 +86,8 @@ bool is_quick_to_fit(const Plan& plan) {
   const std::vector<MoveTrack>& tracks = plan.move().tracks;
   const bool is_drawn =
       std::ranges::any_of(tracks, [](const MoveTrack& track) { return track.timing == Timing::speed; });
-  return is_drawn && std::ranges::all_of(plan.tracks(), [](const SolvedTrack<double>& track) {
-           const Path<double>& path = track.track().path();
+  return is_drawn && std::ranges::all_of(plan.tracks(), [](const SolvedTrack& track) {
+           const Path& path = track.track().path();
            const std::size_t values = track.control_values().size();
            const std::size_t conditions = (static_cast<std::size_t>(path.segment_count()) + values) *
                                           static_cast<std::size_t>(path.axis_count());

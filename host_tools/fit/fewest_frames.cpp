@@ -30,14 +30,14 @@ double way_between(double begin, double end) {
 
 /// A part of the path, and whether the motion rests at its ends.
 struct Way {
-  PathPoint<double> begin, end;
+  PathPoint begin, end;
   bool begins_at_rest = false;
   bool ends_at_rest = false;
 };
 
 /// visit(segment, t where it begins, t where it ends) for every segment of a way.
 template <class Visit>
-void for_each_segment(const Path<double>& path, const Way& way, const Visit& visit) {
+void for_each_segment(const Path& path, const Way& way, const Visit& visit) {
   const std::int32_t last = std::min(way.end.segment, path.segment_count() - 1);
   for (std::int32_t i = way.begin.segment; i <= last; ++i) {
     const double begin = i == way.begin.segment ? way.begin.t : 0;
@@ -56,9 +56,9 @@ struct AxisPlace {
 /// One place of an axis that stays where it is.
 class TurningPoints {
  public:
-  TurningPoints(const Path<double>& path, const Way& way, std::size_t axis) {
+  TurningPoints(const Path& path, const Way& way, std::size_t axis) {
     for_each_segment(path, way, [&](std::int32_t segment, double begin, double end) {
-      const Cubic<double>& cubic = path.segment(segment)[axis];
+      const Cubic& cubic = path.segment(segment)[axis];
       visit(segment, cubic, begin);
       visit_extremes(segment, cubic, begin, end);
       visit(segment, cubic, end);
@@ -68,10 +68,10 @@ class TurningPoints {
   [[nodiscard]] std::span<const AxisPlace> places() const { return places_; }
 
  private:
-  void visit(std::int32_t segment, const Cubic<double>& cubic, double t) {
+  void visit(std::int32_t segment, const Cubic& cubic, double t) {
     visited_.push_back({segment + t, cubic.value(t)});
   }
-  void visit_extremes(std::int32_t segment, const Cubic<double>& cubic, double begin, double end) {
+  void visit_extremes(std::int32_t segment, const Cubic& cubic, double begin, double end) {
     // P' = c1 + 2 c2 t + 3 c3 t^2
     const double root = std::sqrt(std::max(cubic.c2 * cubic.c2 - 3 * cubic.c1 * cubic.c3, 0.0));
     const double larger = -(cubic.c2 + std::copysign(root, cubic.c2));
@@ -114,7 +114,7 @@ class TurningPoints {
 /// turns, and where the way begins or ends at rest.
 class AxisTime {
  public:
-  AxisTime(const Path<double>& path, const Way& way, std::size_t axis, const RigAxis& limits)
+  AxisTime(const Path& path, const Way& way, std::size_t axis, const RigAxis& limits)
       : turns_(path, way, axis), way_(way), limits_(limits) {}
 
   struct Seconds {
@@ -184,7 +184,7 @@ class TrackTime {
   };
   [[nodiscard]] const Way& whole() const { return whole_; }
   [[nodiscard]] Bound bound(const Way& way) const {
-    const Path<double>& path = track_.path();
+    const Path& path = track_.path();
     std::vector<AxisTime> times;
     for (std::size_t d = 0; d < axes_.size(); ++d) times.emplace_back(path, way, d, *axes_[d].limits);
     std::vector<double> share(axes_.size());
@@ -197,7 +197,7 @@ class TrackTime {
         AxisTime::Seconds longest;
         std::size_t slowest = 0;
         for (std::size_t d = 0; d < axes_.size(); ++d) {
-          const Cubic<double>& cubic = path.segment(segment)[d];
+          const Cubic& cubic = path.segment(segment)[d];
           const AxisTime::Seconds one =
               times[d].pass({segment + begin, cubic.value(begin)}, {segment + end, cubic.value(end)});
           // All axes move together, so the slowest axis decides. Its share tells which axis to name.
@@ -219,7 +219,7 @@ class TrackTime {
     const RigAxis* limits = nullptr;
   };
 
-  const Track<double>& track_;
+  const Track& track_;
   std::vector<Axis> axes_;
   Way whole_;
 };
@@ -275,7 +275,7 @@ std::optional<ShortStretch> shortest_stretch(const Plan& plan, std::size_t track
     const Meeting& one = meetings[i];
     const Meeting& next = meetings[i + 1];
     const std::int32_t left = one.frame + one.hold;
-    const Track<double>& solved = plan.tracks()[track].track();
+    const Track& solved = plan.tracks()[track].track();
     const TrackTime::Bound bound =
         time.bound({solved.locate({left, 0}), solved.locate({next.frame, 0}), one.rests, next.rests});
     const double frames = bound.seconds * fps;

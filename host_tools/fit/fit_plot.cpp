@@ -6,8 +6,8 @@ namespace {
 constexpr int curve_samples = 1200;
 
 /// phi over the frames 0..`frames` of the picture.
-std::vector<Point> curve_of(const SolvedTrack<double>& solved, std::int32_t frames) {
-  const SpeedProfile<double>& profile = solved.track().profile();
+std::vector<Point> curve_of(const SolvedTrack& solved, std::int32_t frames) {
+  const SpeedProfile& profile = solved.track().profile();
   std::vector<Point> samples;
   for (int i = 0; i <= curve_samples; ++i) {
     const double share = static_cast<double>(i) / curve_samples;

@@ -93,7 +93,7 @@ CurveFrame FittedTrack::frame_of(std::span<const double> baseline) const {
     }
     before = a;
   };
-  if (const std::optional<KeyTiming<double>>& timing = solved().key_timing()) {
+  if (const std::optional<KeyTiming>& timing = solved().key_timing()) {
     for (const KeyLock& lock : timing->locks) {
       const double begin = timing->frame_of(lock, frames()) * f / frames();
       const double end = (lock.frame + lock.hold) * f / frames();

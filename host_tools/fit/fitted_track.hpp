@@ -25,8 +25,8 @@ class FittedTrack {
   [[nodiscard]] const Plan& played() const { return played_; }
   [[nodiscard]] const CheckReport& report() const { return report_; }
   [[nodiscard]] const MoveTrack& file() const { return played_.move().tracks.front(); }
-  [[nodiscard]] const SolvedTrack<double>& solved() const { return played_.tracks().front(); }
-  [[nodiscard]] const Track<double>& track() const { return solved().track(); }
+  [[nodiscard]] const SolvedTrack& solved() const { return played_.tracks().front(); }
+  [[nodiscard]] const Track& track() const { return solved().track(); }
   [[nodiscard]] std::int32_t frames() const { return played_.move().frames; }
   [[nodiscard]] CurveEnds ends() const { return ends_of(file()); }
   /// The axes of the track, in its order.

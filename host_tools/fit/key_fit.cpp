@@ -16,19 +16,19 @@ constexpr double key_reach = 6;
 /// A point slides so far along the path in one step, in segments.
 constexpr double slide_reach = 0.5;
 
-PathPoint<double> point_of(const Path<double>& path, double s) {
+PathPoint point_of(const Path& path, double s) {
   const std::int32_t segment = std::clamp(static_cast<std::int32_t>(s), 0, path.segment_count() - 1);
   return {segment, s - segment};
 }
 
-std::vector<Cubic<double>> cubics_of(const PassedPoints& points, std::span<const double> keys,
-                                     std::vector<double>& weights, std::optional<Path<double>>& path) {
-  std::vector<Cubic<double>> cubics(keys.size() + points.axes);
-  PathSpec<double> spec;
+std::vector<Cubic> cubics_of(const PassedPoints& points, std::span<const double> keys,
+                             std::vector<double>& weights, std::optional<Path>& path) {
+  std::vector<Cubic> cubics(keys.size() + points.axes);
+  PathSpec spec;
   spec.axis_count = static_cast<std::int32_t>(points.axes);
   spec.keys = keys;
   spec.weights = points.weights;
-  const Result<Path<double>> made = Path<double>::make(spec, {cubics, weights});
+  const Result<Path> made = Path::make(spec, {cubics, weights});
   path = made ? std::optional(*made) : std::nullopt;
   return cubics;
 }
@@ -74,7 +74,7 @@ void KeyFit::make_path() {
 }
 
 double KeyFit::square_at(std::size_t point, double s) const {
-  const PathPoint<double> place = point_of(*path_, s);
+  const PathPoint place = point_of(*path_, s);
   double square = 0;
   for (const std::size_t a : counted_) {
     const double way = (path_->position(place, static_cast<std::int32_t>(a)) -
@@ -137,7 +137,7 @@ double KeyFit::distance(std::size_t point) const {
 std::vector<double> KeyFit::misses() const {
   std::vector<double> misses;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const PathPoint<double> place = point_of(*path_, places_[i]);
+    const PathPoint place = point_of(*path_, places_[i]);
     for (const std::size_t a : counted_) {
       misses.push_back(
           (points_->positions[i * points_->axes + a] - path_->position(place, static_cast<std::int32_t>(a))) *
@@ -171,7 +171,7 @@ std::optional<KeyFit::Effects> KeyFit::effects_of_keys() const {
     const auto end = static_cast<std::size_t>(std::min(std::floor(places_[i] + key_reach), last)) + 1;
     effects.first_column[i] = first * d;
     for (std::size_t a = 0; a < d; ++a) effects.rows[i * d + a].resize((end - first) * d);
-    const PathPoint<double> place = point_of(*path_, places_[i]);
+    const PathPoint place = point_of(*path_, places_[i]);
     double length = 0;
     for (const std::size_t a : counted_) {
       tangents[i].push_back(path_->segment(place.segment)[a].derivative(place.t) * points_->scales[a]);
@@ -186,12 +186,12 @@ std::optional<KeyFit::Effects> KeyFit::effects_of_keys() const {
     const std::size_t axis = counted_[column % d];
     std::vector<double> shifted = keys_;
     shifted[key * points_->axes + axis] += 1e-4 / points_->scales[axis];
-    std::optional<Path<double>> other;
-    const std::vector<Cubic<double>> cubics = cubics_of(*points_, shifted, weights, other);
+    std::optional<Path> other;
+    const std::vector<Cubic> cubics = cubics_of(*points_, shifted, weights, other);
     if (!other) return std::nullopt;
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (std::fabs(places_[i] - static_cast<double>(key)) > key_reach) continue;
-      const PathPoint<double> place = point_of(*path_, places_[i]);
+      const PathPoint place = point_of(*path_, places_[i]);
       const std::size_t at = column - effects.first_column[i];
       double along = 0;
       for (std::size_t a = 0; a < d; ++a) {
@@ -266,7 +266,7 @@ double KeyFit::excursion() const {
   for (std::size_t i = 0; i + 1 < places_.size(); ++i) {
     for (int k = 1; k < looks; ++k) {
       const double s = places_[i] + (places_[i + 1] - places_[i]) * k / looks;
-      const PathPoint<double> place = point_of(*path_, s);
+      const PathPoint place = point_of(*path_, s);
       double chord = 0;
       double along = 0;
       double square = 0;

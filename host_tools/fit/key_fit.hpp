@@ -37,7 +37,7 @@ class KeyFit {
   [[nodiscard]] std::span<const double> places() const { return places_; }
   /// Whether the keys make a path.
   [[nodiscard]] bool is_path() const { return path_.has_value(); }
-  [[nodiscard]] const Path<double>& path() const { return *path_; }
+  [[nodiscard]] const Path& path() const { return *path_; }
   /// Of the distances of all points.
   [[nodiscard]] double mean_square() const;
   /// The largest distance of the mean of three neighbouring points, which has less noise than they.
@@ -67,9 +67,9 @@ class KeyFit {
   std::vector<double> keys_;
   std::vector<double> places_;
   std::vector<double> squares_;  ///< of the distance of each point
-  std::vector<Cubic<double>> cubics_;
+  std::vector<Cubic> cubics_;
   std::vector<double> weights_;
-  std::optional<Path<double>> path_;
+  std::optional<Path> path_;
 };
 
 }  // namespace inbetween

@@ -78,7 +78,7 @@ Range velocities_after(const Range& before, const Way& way) {
 /// A place that has to be met: where every axis is, and how it goes on.
 struct Place {
   Meeting meeting;
-  PathPoint<double> point;
+  PathPoint point;
   std::vector<double> position;
   std::vector<double> direction;  ///< of length 1; empty where the path has none, or turns
 };
@@ -134,7 +134,7 @@ class LockReach {
     double square = 0;
     double size = 0;
     for (std::size_t d = 0; d < slope.size(); ++d) {
-      const Cubic<double>& cubic = path_.segment(segment)[d];
+      const Cubic& cubic = path_.segment(segment)[d];
       slope[d] = cubic.derivative(t);
       square += slope[d] * slope[d];
       size += std::fabs(cubic.c1) + std::fabs(cubic.c2) + std::fabs(cubic.c3);
@@ -144,7 +144,7 @@ class LockReach {
     for (double& value : slope) value /= length;
     return slope;
   }
-  [[nodiscard]] Place place_of(const Meeting& meeting, const PathPoint<double>& point) const {
+  [[nodiscard]] Place place_of(const Meeting& meeting, const PathPoint& point) const {
     const std::int32_t last = path_.segment_count() - 1;
     const std::int32_t segment = std::min(point.segment, last);
     const double t = point.segment > last ? 1 : point.t;
@@ -168,7 +168,7 @@ class LockReach {
     bool rises = true;
     bool falls = true;
     for (std::int32_t i = from.point.segment; i <= to.point.segment && i < path_.segment_count(); ++i) {
-      const Cubic<double>& cubic = path_.segment(i)[axis];
+      const Cubic& cubic = path_.segment(i)[axis];
       const double begin = i == from.point.segment ? from.point.t : 0;
       const double end = i == to.point.segment ? to.point.t : 1;
       const double flattest = cubic.c3 != 0 ? std::clamp(-cubic.c2 / (3 * cubic.c3), begin, end) : begin;
@@ -244,7 +244,7 @@ class LockReach {
     return std::nullopt;
   }
 
-  const Path<double>& path_;
+  const Path& path_;
   double fps_;
   std::vector<Axis> axes_;
   std::vector<Place> places_;

@@ -129,7 +129,7 @@ SmoothMotion smoothed(const Recording& recording) {
       curves.push_back(samples.fit(values));
       const ControlCurve integral(curves.back().values);
       for (std::size_t i = 0; i < count; ++i) {
-        const CurvePlace<double> place = place_at(recording.moments[i] * static_cast<double>(spans), spans);
+        const CurvePlace place = place_at(recording.moments[i] * static_cast<double>(spans), spans);
         const double left =
             (curves.back().offset + integral.at(place).area - values[i]) * recording.scales[a];
         square += left * left;
@@ -278,13 +278,13 @@ Keys fitted_keys(const SmoothMotion& motion, const Recording& recording, std::sp
 /// The way along the path to each of its places, and behind them to its end.
 std::vector<double> distances_of(const KeyFit& fit) {
   const auto segments = static_cast<std::size_t>(fit.path().segment_count());
-  std::vector<ArcPiece<double>> pieces(400 * segments);
+  std::vector<ArcPiece> pieces(400 * segments);
   std::vector<double> begins(pieces.size());
   std::vector<std::int32_t> buckets(pieces.size());
   std::vector<std::int32_t> first_pieces(segments + 1);
-  std::vector<TwoSum<double>> segment_begins(segments + 1);
+  std::vector<TwoSum> segment_begins(segments + 1);
   const auto length =
-      ArcLength<double>::make(fit.path(), {}, {pieces, begins, buckets, first_pieces, segment_begins});
+      ArcLength::make(fit.path(), {}, {pieces, begins, buckets, first_pieces, segment_begins});
   if (!length || !(length->total() > 0)) refuse("the motion goes nowhere; draw farther");
   std::vector<double> distances;
   for (const double s : fit.places()) {

@@ -7,8 +7,8 @@
 
 namespace inbetween {
 
-bool PathTurns::find(const Path<double>& path, const PathPoint<double>& point) {
-  const std::span<const Cubic<double>> cubics = path.segment(point.segment);
+bool PathTurns::find(const Path& path, const PathPoint& point) {
+  const std::span<const Cubic> cubics = path.segment(point.segment);
   const std::span<const double> weights = path.weights();
   const double t = point.t;
   double q = 0;  // |W P'|^2 and its derivatives by t

@@ -16,7 +16,7 @@ struct PathTurns {
 
   /// False where the path stands still; the members then mean nothing. At the end of the path it finds the
   /// derivatives with which the path arrives.
-  [[nodiscard]] bool find(const Path<double>& path, const PathPoint<double>& point);
+  [[nodiscard]] bool find(const Path& path, const PathPoint& point);
 };
 
 }  // namespace inbetween

@@ -64,7 +64,7 @@ Rate rate_of(LimitedQuantity quantity, const std::array<double, 4>& turn, const 
 
 /// The speed along the path at one place of the curve.
 struct MotionSamples::Pace {
-  CurvePlace<double> place;
+  CurvePlace place;
   CurveValues curve;
   double constant = 0;         ///< K
   std::array<double, 3> w{};   ///< along the path and its derivatives in time
@@ -73,17 +73,17 @@ struct MotionSamples::Pace {
 
 /// A place of the curve whose area, value and slope are known.
 struct MotionSamples::KnownPlace {
-  CurvePlace<double> place;
+  CurvePlace place;
   double area = 0, value = 0, first = 0;
 
   /// About where Phi is a little more or less: by Taylor's series of its inverse.
-  [[nodiscard]] CurvePlace<double> place_near(double wanted_area) const {
+  [[nodiscard]] CurvePlace place_near(double wanted_area) const {
     const double step = (wanted_area - area) / value;
     return {place.span, place.t + step * (1 - step * first / (2 * value))};
   }
 };
 
-MotionSamples::MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements,
+MotionSamples::MotionSamples(const Track& track, std::span<const RigAxis> axes, int refinements,
                              EndSteps steps, CurveEnds ends)
     : track_(track),
       axes_(axes),
@@ -108,7 +108,7 @@ void MotionSamples::add_moment(double frame, const ControlCurve& curve) {
   curve_moments_.push_back(a);
   const Stretch& stretch = stretch_at(a);
   const double distance = stretch.offset + stretch.constant * curve.at(place_at(a, curve.span_count())).area;
-  const PathPoint<double> point = track_.arc_length().locate({distance, 0});
+  const PathPoint point = track_.arc_length().locate({distance, 0});
   if (point.segment < track_.path().segment_count()) add_path_moment(point.segment, point.t);
 }
 
@@ -119,7 +119,7 @@ const MotionSamples::Stretch& MotionSamples::stretch_at(double a) const {
 }
 
 void MotionSamples::sample_segment(std::int32_t segment) {
-  const ArcLength<double>& lengths = track_.arc_length();
+  const ArcLength& lengths = track_.arc_length();
   if (!(lengths.segment_begin(segment + 1).minus(lengths.segment_begin(segment)) > 0)) return;
   add_path_moment(segment, 0);
   for (int i = 0; i < moments_per_segment; ++i) {
@@ -149,10 +149,10 @@ void MotionSamples::add_turning(std::int32_t segment, double begin, double end, 
 void MotionSamples::add_path_moment(std::int32_t segment, double t) {
   PathMoment moment;
   if (!moment.turns.find(track_.path(), {segment, t})) return;
-  const ArcLength<double>& lengths = track_.arc_length();
+  const ArcLength& lengths = track_.arc_length();
   moment.is_key = t == 0 || t == 1;
-  const TwoSum<double> distance = moment.is_key ? lengths.segment_begin(t == 0 ? segment : segment + 1)
-                                                : lengths.distance(track_.path(), {segment, t});
+  const TwoSum distance = moment.is_key ? lengths.segment_begin(t == 0 ? segment : segment + 1)
+                                        : lengths.distance(track_.path(), {segment, t});
   moment.distance = distance.high + distance.low;
   path_moments_.push_back(moment);
 }
@@ -162,7 +162,7 @@ void MotionSamples::add_key_steps(std::int32_t key) {
   PathTurns before;
   PathTurns after;
   if (!before.find(track_.path(), {key - 1, 1}) || !after.find(track_.path(), {key, 0})) return;
-  const TwoSum<double>& distance = track_.arc_length().segment_begin(key);
+  const TwoSum& distance = track_.arc_length().segment_begin(key);
   PathMoment moment;
   moment.distance = distance.high + distance.low;
   moment.is_key = true;
@@ -177,7 +177,7 @@ void MotionSamples::find_stretches() {
     stretches_.push_back({.constant = track_.constant() / factor_});
     return;
   }
-  for (const Portion<double>& portion : track_.portions()) {
+  for (const Portion& portion : track_.portions()) {
     const double drawn =
         static_cast<double>(portion.begin_frame) * track_.profile().span_count() / track_.frames();
     const double offset = portion.offset.high + portion.offset.low;
@@ -188,7 +188,7 @@ void MotionSamples::find_stretches() {
   }
 }
 
-MotionSamples::Pace MotionSamples::pace(const ControlCurve& curve, const CurvePlace<double>& place,
+MotionSamples::Pace MotionSamples::pace(const ControlCurve& curve, const CurvePlace& place,
                                         const Stretch& stretch) const {
   const CurveValues values = curve.at(place);
   const double by_0 = stretch.constant * per_span_;

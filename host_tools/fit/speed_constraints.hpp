@@ -31,7 +31,7 @@ struct LimitedValue {
 
 /// Values [first, end) of MotionSamples::values() belong to one moment.
 struct Moment {
-  CurvePlace<double> place;
+  CurvePlace place;
   std::size_t first = 0, end = 0;
   bool is_linearized_here = true;  ///< false: a neighbouring moment of the other kind is nearer to the truth
 };
@@ -61,7 +61,7 @@ class MotionSamples {
  public:
   /// The played curve has been refined `refinements` times. `axes` are the axes of the track, which has a
   /// speed curve; both must outlive this object.
-  MotionSamples(const Track<double>& track, std::span<const RigAxis> axes, int refinements, EndSteps steps,
+  MotionSamples(const Track& track, std::span<const RigAxis> axes, int refinements, EndSteps steps,
                 CurveEnds ends = CurveEnds::natural);
 
   /// Adds moments of both kinds at one more frame, which need not be a whole one. The place on the path is
@@ -102,8 +102,7 @@ class MotionSamples {
   void add_turning(std::int32_t segment, double begin, double end, int depth);
   void add_path_moment(std::int32_t segment, double t);
   void add_key_steps(std::int32_t key);
-  [[nodiscard]] Pace pace(const ControlCurve& curve, const CurvePlace<double>& place,
-                          const Stretch& stretch) const;
+  [[nodiscard]] Pace pace(const ControlCurve& curve, const CurvePlace& place, const Stretch& stretch) const;
   void add_end_step(std::size_t first);
   void evaluate_curve_moment(const ControlCurve& curve, double a);
   /// `near` is the place of a moment beside it on the path, and becomes its own.
@@ -111,7 +110,7 @@ class MotionSamples {
   void add_values(const Pace& pace, const PathMoment& moment, bool stays_on_path);
   void add_step(const Pace& pace, const PathMoment& moment);
 
-  const Track<double>& track_;
+  const Track& track_;
   std::span<const RigAxis> axes_;
   EndSteps steps_;
   CurveEnds ends_;

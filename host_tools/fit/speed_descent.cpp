@@ -174,7 +174,7 @@ BandProgram SpeedDescent::programme(std::span<const double> target) const {
   CurveSums::Terms before = sums_.at({}, {.area = 1});
   double area_before = 0;
   for (const double a : frame_.fixed_areas) {
-    const CurvePlace<double> place = place_at(a, spans);
+    const CurvePlace place = place_at(a, spans);
     const CurveSums::Terms terms = sums_.at(place, {.area = 1});
     const double area = wanted.at(place).area / unit_;
     // Between the two the curve rests: the area is the same.

@@ -54,10 +54,10 @@ struct Reach {
   double per_pace = 0;  ///< seconds, times the pace, where the curvature says how fast
 };
 
-std::vector<Reach> reaches_of(const Track<double>& track, std::span<const RigAxis> axes) {
+std::vector<Reach> reaches_of(const Track& track, std::span<const RigAxis> axes) {
   std::vector<Reach> reaches;
   PathTurns turns;
-  const Path<double>& path = track.path();
+  const Path& path = track.path();
   const int points =
       std::clamp(max_points / std::max(path.segment_count(), 1), min_points_per_segment, points_per_segment);
   double begin = 0;
@@ -99,7 +99,7 @@ double pace_for(std::span<const Reach> reaches, double seconds) {
   for (int i = 0; i < bisections && seconds_of(reaches, high) > seconds; ++i) high *= 4;
   for (int i = 0; i < bisections && seconds_of(reaches, low) < seconds; ++i) low /= 4;
   const auto is_too_slow = [&](double pace) { return seconds_of(reaches, pace) > seconds; };
-  return bisected<double>({low, high}, bisections, is_too_slow).high;
+  return bisected({low, high}, bisections, is_too_slow).high;
 }
 
 }  // namespace
@@ -108,7 +108,7 @@ std::vector<double> flat_start(const StartWishes& wishes) {
   return scaled(ramp_of(wishes), wishes);
 }
 
-std::vector<double> curvature_start(const Track<double>& track, std::span<const RigAxis> axes,
+std::vector<double> curvature_start(const Track& track, std::span<const RigAxis> axes,
                                     const StartWishes& wishes) {
   const std::vector<double> ramp = ramp_of(wishes);
   const std::vector<Reach> reaches = reaches_of(track, axes);

@@ -27,7 +27,7 @@ std::vector<double> flat_start(const StartWishes& wishes);
 /// locked keys into account.
 ///
 /// `axes` are those of the track. Cost: 64 points per segment of the path.
-std::vector<double> curvature_start(const Track<double>& track, std::span<const RigAxis> axes,
+std::vector<double> curvature_start(const Track& track, std::span<const RigAxis> axes,
                                     const StartWishes& wishes);
 
 }  // namespace inbetween

@@ -10,12 +10,12 @@ double Branch::length() const {
   return sum;
 }
 
-Branch branch_to(const JointTree<double>& tree, std::int32_t link) {
+Branch branch_to(const JointTree& tree, std::int32_t link) {
   Branch branch;
-  Pose<double> held;  // from the frame at hand to the last that moves, or to the link
+  Pose held;  // from the frame at hand to the last that moves, or to the link
   const auto joints = tree.joints();
   for (std::int32_t i = link; i >= 0; i = joints[static_cast<std::size_t>(i)].parent) {
-    const Joint<double>& joint = joints[static_cast<std::size_t>(i)];
+    const Joint& joint = joints[static_cast<std::size_t>(i)];
     if (joint.kind == JointKind::fixed) {
       held = joint.origin * held;
       continue;

@@ -10,7 +10,7 @@
 namespace inbetween {
 
 struct BranchJoint {
-  Joint<double> joint;
+  Joint joint;
   double arm = 0;  ///< m from its frame to that of the joint before it here, or of the link
 };
 
@@ -21,6 +21,6 @@ struct Branch {
   [[nodiscard]] double length() const;
 };
 
-Branch branch_to(const JointTree<double>& tree, std::int32_t link);
+Branch branch_to(const JointTree& tree, std::int32_t link);
 
 }  // namespace inbetween

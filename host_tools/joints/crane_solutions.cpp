@@ -15,30 +15,30 @@ constexpr double crane_rounding = 1e-12;
 
 /// A joint that moves, with every axis of the rig at 0.
 struct MovingJoint {
-  const Joint<double>* joint = nullptr;
-  Vector3<double> axis;   // in the world
-  Vector3<double> place;  // a point of it
+  const Joint* joint = nullptr;
+  Vector3 axis;   // in the world
+  Vector3 place;  // a point of it
 };
 
-bool is_square(const Vector3<double>& a, const Vector3<double>& b) {
+bool is_square(const Vector3& a, const Vector3& b) {
   return std::fabs(dot(a, b)) < crane_rounding;
 }
 
-Vector3<double> part_across(const Vector3<double>& v, const Vector3<double>& direction) {
+Vector3 part_across(const Vector3& v, const Vector3& direction) {
   return v - direction * dot(v, direction);
 }
 
-bool is_on(const Vector3<double>& point, const MovingJoint& joint) {
+bool is_on(const Vector3& point, const MovingJoint& joint) {
   return length(part_across(point - joint.place, joint.axis)) < crane_rounding;
 }
 
 /// From the root to the link.
-std::vector<MovingJoint> moving_joints(const JointTree<double>& tree, std::int32_t link,
-                                       const std::vector<Pose<double>>& at_zero) {
+std::vector<MovingJoint> moving_joints(const JointTree& tree, std::int32_t link,
+                                       const std::vector<Pose>& at_zero) {
   std::vector<MovingJoint> found;
   for (std::int32_t i = link; i >= 0; i = tree.joints()[static_cast<std::size_t>(i)].parent) {
-    const Joint<double>& joint = tree.joints()[static_cast<std::size_t>(i)];
-    const Pose<double>& pose = at_zero[static_cast<std::size_t>(i)];
+    const Joint& joint = tree.joints()[static_cast<std::size_t>(i)];
+    const Pose& pose = at_zero[static_cast<std::size_t>(i)];
     if (joint.kind != JointKind::fixed) found.push_back({&joint, pose.rotation * joint.axis, pose.position});
   }
   std::ranges::reverse(found);
@@ -79,13 +79,12 @@ bool is_crane(const CraneParts& parts) {
 }
 
 /// The point in which the axes of the head meet.
-std::optional<Vector3<double>> centre_of(const std::vector<MovingJoint>& head) {
+std::optional<Vector3> centre_of(const std::vector<MovingJoint>& head) {
   for (const MovingJoint& joint : head) {
     if (joint.joint->kind != JointKind::revolute) return std::nullopt;
   }
   if (!is_square(head[0].axis, head[1].axis)) return std::nullopt;
-  const Vector3<double> centre =
-      head[0].place + head[0].axis * dot(head[1].place - head[0].place, head[0].axis);
+  const Vector3 centre = head[0].place + head[0].axis * dot(head[1].place - head[0].place, head[0].axis);
   if (!is_on(centre, head[1])) return std::nullopt;
   if (head.size() == 3 && (!is_on(centre, head[2]) || !is_square(head[1].axis, head[2].axis))) {
     return std::nullopt;
@@ -97,15 +96,15 @@ std::optional<Vector3<double>> centre_of(const std::vector<MovingJoint>& head) {
 
 /// Where the centre of the head is to be, and how the camera is to be turned from where it is at 0.
 struct CraneSolutions::Look {
-  Vector3<double> centre;
-  Vector3<double> sight;
-  std::optional<Rotation3<double>> turn;
+  Vector3 centre;
+  Vector3 sight;
+  std::optional<Rotation3> turn;
 };
 
 std::optional<CraneSolutions> CraneSolutions::find(const Kinematics& kinematics, std::int32_t link,
                                                    const std::vector<TipAxis>& axes) {
-  const JointTree<double>& tree = kinematics.tree();
-  std::vector<Pose<double>> at_zero(tree.joints().size());
+  const JointTree& tree = kinematics.tree();
+  std::vector<Pose> at_zero(tree.joints().size());
   if (!tree.poses(std::vector<double>(tree.coordinate_count()), at_zero)) return std::nullopt;
   const auto parts = parts_of(moving_joints(tree, link, at_zero));
   if (!parts || (parts->crane && !is_crane(*parts))) return std::nullopt;
@@ -129,7 +128,7 @@ std::optional<CraneSolutions> CraneSolutions::find(const Kinematics& kinematics,
   found.centre_ = *centre;
   found.mount_ = inverse(found.camera_.rotation) * (found.camera_.position - *centre);
   found.has_roll_ = parts->head.size() == 3;
-  const Vector3<double>& lens = found.camera_.rotation.x;
+  const Vector3& lens = found.camera_.rotation.x;
   found.head_ = {parts->head[0].axis, parts->head[1].axis, found.has_roll_ ? parts->head[2].axis : lens};
   // Without a roll, or without a crane that brings the camera to its place, the lens looks from the centre.
   const bool looks_from_centre = std::hypot(found.mount_.y, found.mount_.z) < crane_rounding;
@@ -137,7 +136,7 @@ std::optional<CraneSolutions> CraneSolutions::find(const Kinematics& kinematics,
   if (!found.has_roll_ && !is_square(lens, found.head_.tilt)) return std::nullopt;
   if (!parts->crane) return found;
   const auto& [track, swing, boom] = *parts->crane;
-  const Vector3<double> end = parts->level ? parts->level->place : *centre;  // what turns with the boom
+  const Vector3 end = parts->level ? parts->level->place : *centre;  // what turns with the boom
   found.crane_ = {
       track.axis,      swing.axis, boom.axis, swing.place, boom.place - swing.place + *centre - end,
       end - boom.place};
@@ -151,33 +150,32 @@ bool CraneSolutions::is_for(const TipTarget& target) const {
 }
 
 std::optional<CraneSolutions::Look> CraneSolutions::look_of(const TipTarget& target) const {
-  const Vector3<double> way = *target.aim - target.position.value_or(centre_);
+  const Vector3 way = *target.aim - target.position.value_or(centre_);
   if (length(way) == 0) return std::nullopt;
   Look look{.centre = centre_, .sight = way * (1 / length(way)), .turn = {}};
   if (!has_roll_) {
     if (target.position) look.centre = *target.position - look.sight * mount_.x;
     return look;
   }
-  const Vector3<double> level = cross(Vector3<double>{0, 0, 1}, look.sight);
+  const Vector3 level = cross(Vector3{0, 0, 1}, look.sight);
   if (length(level) == 0) return std::nullopt;  // straight up or down, where level means nothing
-  const Vector3<double> y = level * (1 / length(level));
-  const Vector3<double> z = cross(look.sight, y);
-  const SineCosine<double> roll = sine_cosine(*target.roll);
-  const Rotation3<double> camera{look.sight, y * roll.cosine + z * roll.sine,
-                                 z * roll.cosine - y * roll.sine};
+  const Vector3 y = level * (1 / length(level));
+  const Vector3 z = cross(look.sight, y);
+  const SineCosine roll = sine_cosine(*target.roll);
+  const Rotation3 camera{look.sight, y * roll.cosine + z * roll.sine, z * roll.cosine - y * roll.sine};
   look.turn = camera * inverse(camera_.rotation);
   if (target.position) look.centre = *target.position - camera * mount_;
   return look;
 }
 
-void CraneSolutions::add_heads(const Look& look, const CranePositions<double>& crane,
+void CraneSolutions::add_heads(const Look& look, const CranePositions& crane,
                                std::vector<std::vector<double>>& solutions) const {
-  Rotation3<double> plate;  // on which the head stands
+  Rotation3 plate;  // on which the head stands
   if (crane_) {
     plate = turned_about(crane_->column, sine_cosine(crane.swing));
     if (!is_level_) plate = plate * turned_about(crane_->boom, sine_cosine(crane.boom));
   }
-  const Rotation3<double> from_plate = inverse(plate);
+  const Rotation3 from_plate = inverse(plate);
   for (const bool over : {false, true}) {
     const auto head = look.turn ? head_angles(head_, from_plate * *look.turn, over)
                                 : head_angles(head_, from_plate * look.sight, over);

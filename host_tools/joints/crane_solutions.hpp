@@ -42,16 +42,16 @@ class CraneSolutions {
 
   CraneSolutions() = default;
   [[nodiscard]] std::optional<Look> look_of(const TipTarget& target) const;
-  void add_heads(const Look& look, const CranePositions<double>& crane,
+  void add_heads(const Look& look, const CranePositions& crane,
                  std::vector<std::vector<double>>& solutions) const;
 
-  std::optional<CameraCrane<double>> crane_;
+  std::optional<CameraCrane> crane_;
   bool is_level_ = false;
-  CameraHead<double> head_;
+  CameraHead head_;
   bool has_roll_ = false;
-  Vector3<double> centre_;           // of the head, with every axis at 0
-  Pose<double> camera_;              // with every axis at 0
-  Vector3<double> mount_;            // from the centre to the camera, as the camera sees it
+  Vector3 centre_;                   // of the head, with every axis at 0
+  Pose camera_;                      // with every axis at 0
+  Vector3 mount_;                    // from the centre to the camera, as the camera sees it
   std::vector<Follower> followers_;  // track, swing and boom if there is a crane; pan, tilt, perhaps roll
 };
 

@@ -77,7 +77,7 @@ double held_value(const UrdfFile& urdf, std::size_t index, const RigFile& rig) {
 /// That place, if it can be computed.
 double checked_held_value(const UrdfFile& urdf, std::size_t index, const RigFile& rig) {
   const double value = held_value(urdf, index, rig);
-  if (std::fabs(value) <= max_angle<double>) return value;
+  if (std::fabs(value) <= max_angle) return value;
   const UrdfJoint& joint = urdf.joints[index];
   throw InputError(
       joint.place,
@@ -117,8 +117,8 @@ void refuse_too_far(const UrdfJoint& joint, const DrivenBy& driver, const RigAxi
   for (const auto& [end, position] : {std::pair("min", axis.min), std::pair("max", axis.max)}) {
     const double value = driver.factor * position + driver.offset;
     // Programs write limits of 1e16 where there are none.
-    const double lower = std::max(has_limit ? joint.limit->lower : -max_angle<double>, -max_angle<double>);
-    const double upper = std::min(has_limit ? joint.limit->upper : max_angle<double>, max_angle<double>);
+    const double lower = std::max(has_limit ? joint.limit->lower : -max_angle, -max_angle);
+    const double upper = std::min(has_limit ? joint.limit->upper : max_angle, max_angle);
     const double below = lower - slack_of(has_limit ? joint.limit->lower_decimals : 0, joint.kind, value);
     const double above = upper + slack_of(has_limit ? joint.limit->upper_decimals : 0, joint.kind, value);
     if (value >= below && value <= above) continue;
@@ -152,20 +152,20 @@ void refuse_too_far(const UrdfJoint& joint, const DrivenBy& driver, const RigAxi
                   velocity, unit, joint.limit->velocity, to_string(joint.limit->place)));
 }
 
-Vector3<double> vector_of(const std::array<double, 3>& v) {
+Vector3 vector_of(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
 /// Turns about the fixed axes x, then y, then z.
-Rotation3<double> rotation_of(const std::array<double, 3>& rpy) {
+Rotation3 rotation_of(const std::array<double, 3>& rpy) {
   return turned_about({0, 0, 1}, sine_cosine(rpy[2])) * turned_about({0, 1, 0}, sine_cosine(rpy[1])) *
          turned_about({1, 0, 0}, sine_cosine(rpy[0]));
 }
 
 /// Where the joint is held, it is part of what it hangs on.
-Pose<double> held_pose(const UrdfJoint& joint, const Pose<double>& origin, double value) {
-  const Vector3<double> axis = vector_of(joint.axis);
-  const Vector3<double> unit = axis * (1 / std::hypot(axis.x, axis.y, axis.z));
+Pose held_pose(const UrdfJoint& joint, const Pose& origin, double value) {
+  const Vector3 axis = vector_of(joint.axis);
+  const Vector3 unit = axis * (1 / std::hypot(axis.x, axis.y, axis.z));
   if (joint.kind == UrdfJointKind::prismatic) return {origin.rotation, origin * (unit * value)};
   return {origin.rotation * turned_about(unit, sine_cosine(value)), origin.position};
 }
@@ -176,9 +176,9 @@ struct Told {
   std::vector<std::string> passed;  // limits that do not count
 };
 
-Joint<double> joint_of(const UrdfFile& urdf, std::size_t index, const RigFile& rig, Told& told) {
+Joint joint_of(const UrdfFile& urdf, std::size_t index, const RigFile& rig, Told& told) {
   const UrdfJoint& from = urdf.joints[index];
-  Joint<double> joint;
+  Joint joint;
   joint.parent = static_cast<std::int32_t>(from.parent);
   joint.origin = {rotation_of(from.rpy), vector_of(from.xyz)};
   if (from.kind == UrdfJointKind::fixed) return joint;
@@ -214,12 +214,11 @@ void refuse_wrong_places(const UrdfFile& urdf, const RigFile& rig) {
 }
 
 /// The root link stands in the world; each other link hangs on its joint.
-std::vector<Joint<double>> joints_of(const UrdfFile& urdf, const RigFile& rig,
-                                     std::vector<Warning>& warnings) {
+std::vector<Joint> joints_of(const UrdfFile& urdf, const RigFile& rig, std::vector<Warning>& warnings) {
   refuse_wrong_places(urdf, rig);
   warnings = urdf.warnings;
   Told told;
-  std::vector<Joint<double>> joints(1);
+  std::vector<Joint> joints(1);
   for (std::size_t i = 0; i < urdf.joints.size(); ++i) joints.push_back(joint_of(urdf, i, rig, told));
   const Place place{.file = urdf.path};
   const auto warn = [&](const std::vector<std::string>& names, std::string_view before,
@@ -241,8 +240,8 @@ std::vector<Joint<double>> joints_of(const UrdfFile& urdf, const RigFile& rig,
   return joints;
 }
 
-JointTree<double> tree_of(std::vector<Joint<double>>& joints, const UrdfFile& urdf, const RigFile& rig) {
-  const auto tree = JointTree<double>::make(joints, static_cast<std::int32_t>(rig.axes.size()), joints);
+JointTree tree_of(std::vector<Joint>& joints, const UrdfFile& urdf, const RigFile& rig) {
+  const auto tree = JointTree::make(joints, static_cast<std::int32_t>(rig.axes.size()), joints);
   if (tree) return *tree;
   const Error& error = tree.error();
   const bool has_joint = error.axis > 0;  // link i hangs on joint i - 1

@@ -30,7 +30,7 @@ class Kinematics {
   Kinematics(const UrdfFile& urdf, const RigFile& rig);
 
   /// Coordinate i is axis i of the rig, in its unit; the world is the root link, in metres.
-  [[nodiscard]] const JointTree<double>& tree() const { return tree_; }
+  [[nodiscard]] const JointTree& tree() const { return tree_; }
   [[nodiscard]] const std::vector<Tip>& tips() const { return tips_; }
   /// The name of each link of tree().
   [[nodiscard]] const std::vector<std::string>& links() const { return links_; }
@@ -39,8 +39,8 @@ class Kinematics {
 
  private:
   std::vector<Warning> warnings_;
-  std::vector<Joint<double>> memory_;
-  JointTree<double> tree_;
+  std::vector<Joint> memory_;
+  JointTree tree_;
   std::vector<Tip> tips_;
   std::vector<std::string> links_;
 };

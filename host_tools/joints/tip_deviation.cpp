@@ -37,7 +37,7 @@ Jet sum(const Jet& a, const Jet& b) {
 }
 
 /// By the control points of Bernstein's form.
-Jet jet_of(const Cubic<double>& c) {
+Jet jet_of(const Cubic& c) {
   const auto largest = [](std::initializer_list<double> values) {
     double result = 0;
     for (const double value : values) result = std::max(result, std::fabs(value));
@@ -48,9 +48,9 @@ Jet jet_of(const Cubic<double>& c) {
           std::fabs(c.third()), 0};
 }
 
-Jet jet_of(std::span<const Cubic<double>> xyz) {
+Jet jet_of(std::span<const Cubic> xyz) {
   Jet result{};
-  for (const Cubic<double>& c : xyz) {
+  for (const Cubic& c : xyz) {
     const Jet one = jet_of(c);
     for (std::size_t i = 0; i < result.size(); ++i) result[i] = std::hypot(result[i], one[i]);
   }
@@ -69,7 +69,7 @@ struct LinkJets {
   Jet direction{1, 0, 0, 0, 0};  // of its x axis
 };
 
-Jet value_of(const Joint<double>& joint, std::span<const Jet> coordinates) {
+Jet value_of(const Joint& joint, std::span<const Jet> coordinates) {
   Jet value{};
   if (joint.coordinate >= 0) value = coordinates[static_cast<std::size_t>(joint.coordinate)];
   for (double& bound : value) bound *= std::fabs(joint.factor);
@@ -77,7 +77,7 @@ Jet value_of(const Joint<double>& joint, std::span<const Jet> coordinates) {
   return value;
 }
 
-LinkJets link_jets(const JointTree<double>& tree, std::int32_t link, std::span<const Jet> coordinates) {
+LinkJets link_jets(const JointTree& tree, std::int32_t link, std::span<const Jet> coordinates) {
   LinkJets result;
   const Branch branch = branch_to(tree, link);
   for (const auto& [joint, arm] : branch.joints) {
@@ -106,14 +106,14 @@ class Stretch {
         columns_(tree_.coordinate_count()) {}
 
   /// What is drawn, in one of its places.
-  static Vector3<double> value(std::span<const Cubic<double>> xyz, double t) {
+  static Vector3 value(std::span<const Cubic> xyz, double t) {
     return {xyz[0].value(t), xyz[1].value(t), xyz[2].value(t)};
   }
-  static Vector3<double> slope(std::span<const Cubic<double>> xyz, double t) {
+  static Vector3 slope(std::span<const Cubic> xyz, double t) {
     return {xyz[0].derivative(t), xyz[1].derivative(t), xyz[2].derivative(t)};
   }
 
-  const Pose<double>& pose(double t) {
+  const Pose& pose(double t) {
     for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
       coordinates_[stretch_.coordinates[i]] = stretch_.axes[i].value(t);
     }
@@ -122,9 +122,9 @@ class Stretch {
     return poses_[static_cast<std::size_t>(link_)];
   }
   /// The derivative of the link's position, after pose(t).
-  Vector3<double> pose_slope(double t) {
+  Vector3 pose_slope(double t) {
     tree_.jacobian(link_, poses_, columns_);
-    Vector3<double> result;
+    Vector3 result;
     for (std::size_t i = 0; i < stretch_.axes.size(); ++i) {
       result += columns_[stretch_.coordinates[i]].linear * stretch_.axes[i].derivative(t);
     }
@@ -140,12 +140,12 @@ class Stretch {
   }
 
  private:
-  const JointTree<double>& tree_;
+  const JointTree& tree_;
   std::int32_t link_;
   const TipStretch& stretch_;
   std::vector<double> coordinates_;
-  std::vector<Pose<double>> poses_;
-  std::vector<JacobianColumn<double>> columns_;
+  std::vector<Pose> poses_;
+  std::vector<JacobianColumn> columns_;
 };
 
 }  // namespace
@@ -167,7 +167,7 @@ TipDeviation tip_deviation(const Kinematics& kinematics, std::int32_t link, cons
     result.slowest = std::numeric_limits<double>::infinity();
     for (const double t : chebyshev_3) {
       static_cast<void>(along.pose(t));
-      const Vector3<double> slope = Stretch::slope(stretch.position, t);
+      const Vector3 slope = Stretch::slope(stretch.position, t);
       result.speed = std::max(result.speed, length(along.pose_slope(t) - slope));
       result.slowest = std::min(result.slowest, length(slope));
     }
@@ -180,8 +180,8 @@ TipDeviation tip_deviation(const Kinematics& kinematics, std::int32_t link, cons
   const Jet sight = sum(jet_of(stretch.aim), jets.position);
   double nearest = std::numeric_limits<double>::infinity();
   for (const double t : chebyshev_4) {
-    const Pose<double>& pose = along.pose(t);
-    const Vector3<double> way = Stretch::value(stretch.aim, t) - pose.position;
+    const Pose& pose = along.pose(t);
+    const Vector3 way = Stretch::value(stretch.aim, t) - pose.position;
     nearest = std::min(nearest, length(way));
     result.aim = std::max(result.aim, length(cross(way, pose.rotation.x)));
   }

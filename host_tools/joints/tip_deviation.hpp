@@ -22,10 +22,10 @@ Jet position_jet(const Kinematics& kinematics, std::int32_t link, std::span<cons
 
 /// On t from 0 to 1: axes, each a cubic in its unit, and where the link is drawn to be and to look (m).
 struct TipStretch {
-  std::span<const Cubic<double>> axes;
+  std::span<const Cubic> axes;
   std::span<const std::size_t> coordinates;  // of the tree, one for each axis
-  std::span<const Cubic<double>> position;   // x, y, z; empty: nothing is drawn
-  std::span<const Cubic<double>> aim;        // x, y, z; empty: nowhere
+  std::span<const Cubic> position;           // x, y, z; empty: nothing is drawn
+  std::span<const Cubic> aim;                // x, y, z; empty: nowhere
 };
 
 /// Upper bounds on the stretch, up to the rounding of double.

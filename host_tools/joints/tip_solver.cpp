@@ -46,7 +46,7 @@ double product(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-Vector3<double> across(const Vector3<double>& v, const Vector3<double>& direction) {
+Vector3 across(const Vector3& v, const Vector3& direction) {
   return v - direction * dot(v, direction);
 }
 
@@ -113,16 +113,14 @@ TipSolver::TipSolver(const Kinematics& kinematics, std::int32_t link, std::vecto
   const auto joints = kinematics_->tree().joints();
   reach_ = branch_to(kinematics_->tree(), link_).length();
   for (const TipAxis& axis : axes_) {
-    const auto joint =
-        std::ranges::find(joints, static_cast<std::int32_t>(axis.axis), &Joint<double>::coordinate);
+    const auto joint = std::ranges::find(joints, static_cast<std::int32_t>(axis.axis), &Joint::coordinate);
     if (joint != joints.end() && joint->kind == JointKind::prismatic) {
       reach_ += std::fabs(joint->factor) * (axis.max - axis.min);
     }
   }
   reach_ = std::max(reach_, 1e-3);
   for (const TipAxis& axis : axes_) {
-    const auto joint =
-        std::ranges::find(joints, static_cast<std::int32_t>(axis.axis), &Joint<double>::coordinate);
+    const auto joint = std::ranges::find(joints, static_cast<std::int32_t>(axis.axis), &Joint::coordinate);
     const bool slides = joint != joints.end() && joint->kind == JointKind::prismatic;
     const double factor = joint != joints.end() ? std::fabs(joint->factor) : 1;
     scales_.push_back(slides ? factor / reach_ : factor);
@@ -132,24 +130,24 @@ TipSolver::TipSolver(const Kinematics& kinematics, std::int32_t link, std::vecto
   crane_ = CraneSolutions::find(kinematics, link_, axes_);
 }
 
-std::vector<Pose<double>> TipSolver::poses(const std::vector<double>& positions) const {
-  const JointTree<double>& tree = kinematics_->tree();
+std::vector<Pose> TipSolver::poses(const std::vector<double>& positions) const {
+  const JointTree& tree = kinematics_->tree();
   std::vector<double> coordinates(tree.coordinate_count());
   for (std::size_t i = 0; i < axes_.size(); ++i) coordinates[axes_[i].axis] = positions[i];
-  std::vector<Pose<double>> result(tree.joints().size());
+  std::vector<Pose> result(tree.joints().size());
   // Out of range only far beyond every axis: the poses are then those of the root, and no solution.
   static_cast<void>(tree.poses(coordinates, result));
   return result;
 }
 
-Pose<double> TipSolver::pose(const std::vector<double>& positions) const {
+Pose TipSolver::pose(const std::vector<double>& positions) const {
   return poses(positions)[static_cast<std::size_t>(link_)];
 }
 
 TipSolver::Rows TipSolver::rows(const TipTarget& target, const std::vector<double>& positions) const {
-  const std::vector<Pose<double>> all = poses(positions);
-  const Pose<double>& tip = all[static_cast<std::size_t>(link_)];
-  std::vector<JacobianColumn<double>> columns(kinematics_->tree().coordinate_count());
+  const std::vector<Pose> all = poses(positions);
+  const Pose& tip = all[static_cast<std::size_t>(link_)];
+  std::vector<JacobianColumn> columns(kinematics_->tree().coordinate_count());
   kinematics_->tree().jacobian(link_, all, columns);
   Rows rows;
   const auto add = [&](double miss, const auto& slope) {
@@ -158,18 +156,18 @@ TipSolver::Rows TipSolver::rows(const TipTarget& target, const std::vector<doubl
     for (std::size_t i = 0; i < axes_.size(); ++i) row.push_back(slope(columns[axes_[i].axis]) / scales_[i]);
   };
   if (target.position) {
-    const Vector3<double> gap = tip.position - *target.position;
+    const Vector3 gap = tip.position - *target.position;
     rows.miss_m = length(gap);
-    for (const Vector3<double>& e : {Vector3<double>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+    for (const Vector3& e : {Vector3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
       add(dot(gap, e) / reach_, [&](const auto& column) { return dot(column.linear, e) / reach_; });
     }
   }
-  const Rotation3<double>& turned = tip.rotation;
+  const Rotation3& turned = tip.rotation;
   if (target.aim) {
-    const Vector3<double> way = *target.aim - tip.position;
+    const Vector3 way = *target.aim - tip.position;
     const double distance = std::max(length(way), std::numeric_limits<double>::min());
-    const Vector3<double> sight = way * (1 / distance);
-    for (const Vector3<double>& side : {turned.y, turned.z}) {
+    const Vector3 sight = way * (1 / distance);
+    for (const Vector3& side : {turned.y, turned.z}) {
       add(dot(side, sight), [&](const auto& column) {
         return dot(cross(column.angular, side), sight) - dot(side, across(column.linear, sight)) / distance;
       });
@@ -178,7 +176,7 @@ TipSolver::Rows TipSolver::rows(const TipTarget& target, const std::vector<doubl
     if (dot(sight, turned.x) < 0) rows.miss_rad = std::numbers::pi - rows.miss_rad;
   }
   if (target.roll) {
-    const SineCosine<double> roll = sine_cosine(*target.roll);
+    const SineCosine roll = sine_cosine(*target.roll);
     const double miss = roll.cosine * turned.y.z - roll.sine * turned.z.z;
     add(miss, [&](const auto& column) {
       return roll.cosine * cross(column.angular, turned.y).z - roll.sine * cross(column.angular, turned.z).z;
@@ -294,22 +292,22 @@ std::vector<double> TipSolver::rates(const TipTarget& target, const TipTargetRat
 
 std::vector<double> TipSolver::wanted(const TipTarget& target, const TipTargetRate& rate,
                                       const std::vector<double>& positions) const {
-  const Pose<double> tip = pose(positions);
+  const Pose tip = pose(positions);
   std::vector<double> result;
   if (target.position) {
-    const Vector3<double> v = rate.position.value_or(Vector3<double>{});
+    const Vector3 v = rate.position.value_or(Vector3{});
     result = {v.x / reach_, v.y / reach_, v.z / reach_};
   }
   if (target.aim) {
-    const Vector3<double> way = *target.aim - tip.position;
+    const Vector3 way = *target.aim - tip.position;
     const double distance = std::max(length(way), std::numeric_limits<double>::min());
-    const Vector3<double> moved = across(rate.aim.value_or(Vector3<double>{}), way * (1 / distance));
-    for (const Vector3<double>& side : {tip.rotation.y, tip.rotation.z}) {
+    const Vector3 moved = across(rate.aim.value_or(Vector3{}), way * (1 / distance));
+    for (const Vector3& side : {tip.rotation.y, tip.rotation.z}) {
       result.push_back(-dot(side, moved) / distance);
     }
   }
   if (target.roll) {
-    const SineCosine<double> roll = sine_cosine(*target.roll);
+    const SineCosine roll = sine_cosine(*target.roll);
     result.push_back((roll.sine * tip.rotation.y.z + roll.cosine * tip.rotation.z.z) * rate.roll.value_or(0));
   }
   return result;
@@ -363,16 +361,16 @@ std::optional<TipSolver::Arm> TipSolver::find_arm() const {
   };
   const bool is_in_order = is_axis(shoulder, axes_[0]) && is_axis(elbow, axes_[1]);
   if (!is_in_order || joints[shoulder].offset != 0 || joints[elbow].offset != 0) return std::nullopt;
-  const std::vector<Pose<double>> at_zero = poses({0, 0});
-  const Vector3<double> z = at_zero[shoulder].rotation * joints[shoulder].axis;
-  const Vector3<double> other = at_zero[elbow].rotation * joints[elbow].axis;
+  const std::vector<Pose> at_zero = poses({0, 0});
+  const Vector3 z = at_zero[shoulder].rotation * joints[shoulder].axis;
+  const Vector3 other = at_zero[elbow].rotation * joints[elbow].axis;
   if (length(cross(z, other)) > parallel) return std::nullopt;
-  const Vector3<double> upper = across(at_zero[elbow].position - at_zero[shoulder].position, z);
-  const Vector3<double> forearm =
+  const Vector3 upper = across(at_zero[elbow].position - at_zero[shoulder].position, z);
+  const Vector3 forearm =
       across(at_zero[static_cast<std::size_t>(link_)].position - at_zero[elbow].position, z);
   if (!(length(upper) > 0) || !(length(forearm) > 0)) return std::nullopt;
-  const Vector3<double> x = upper * (1 / length(upper));
-  const Vector3<double> y = cross(z, x);
+  const Vector3 x = upper * (1 / length(upper));
+  const Vector3 y = cross(z, x);
   return Arm{
       .links = {length(upper), length(forearm)},
       .shoulder = {{x, y, z}, at_zero[shoulder].position},
@@ -380,8 +378,8 @@ std::optional<TipSolver::Arm> TipSolver::find_arm() const {
       .slopes = {joints[shoulder].factor, dot(z, other) > 0 ? joints[elbow].factor : -joints[elbow].factor}};
 }
 
-TipSolution TipSolver::solve_arm(const Vector3<double>& position, const std::vector<double>& seed) const {
-  const Vector3<double> hand = position - arm_->shoulder.position;
+TipSolution TipSolver::solve_arm(const Vector3& position, const std::vector<double>& seed) const {
+  const Vector3 hand = position - arm_->shoulder.position;
   const double x = dot(hand, arm_->shoulder.rotation.x);
   const double y = dot(hand, arm_->shoulder.rotation.y);
   TipSolution solution{.positions = seed};

@@ -63,7 +63,7 @@ class TipSolver {
   [[nodiscard]] std::size_t usual_rank(const TipTarget& target) const;
 
   [[nodiscard]] const std::vector<TipAxis>& axes() const { return axes_; }
-  [[nodiscard]] Pose<double> pose(const std::vector<double>& positions) const;
+  [[nodiscard]] Pose pose(const std::vector<double>& positions) const;
   /// The longest way from the root to the link, from joint to joint (m).
   [[nodiscard]] double reach() const { return reach_; }
 
@@ -77,13 +77,13 @@ class TipSolver {
     [[nodiscard]] double size() const;
   };
   struct Arm {
-    TwoJointArm<double> links;
-    Pose<double> shoulder;  // its z axis is that of the joint, its x axis the upper arm with both axes at 0
+    TwoJointArm links;
+    Pose shoulder;  // its z axis is that of the joint, its x axis the upper arm with both axes at 0
     double forearm_angle = 0;      // in it, with both axes at 0
     std::array<double, 2> slopes;  // rad per unit of each axis, about z
   };
 
-  [[nodiscard]] std::vector<Pose<double>> poses(const std::vector<double>& positions) const;
+  [[nodiscard]] std::vector<Pose> poses(const std::vector<double>& positions) const;
   [[nodiscard]] Rows rows(const TipTarget& target, const std::vector<double>& positions) const;
   /// The step of the scaled axes that changes the rows by `wanted`, weaker where their squared singular
   /// values are below the damping.
@@ -96,7 +96,7 @@ class TipSolver {
   void descend(const TipTarget& target, std::vector<double>& positions) const;
   void stay_near(const TipTarget& target, std::vector<double>& positions) const;
   [[nodiscard]] std::optional<Arm> find_arm() const;
-  [[nodiscard]] TipSolution solve_arm(const Vector3<double>& position, const std::vector<double>& seed) const;
+  [[nodiscard]] TipSolution solve_arm(const Vector3& position, const std::vector<double>& seed) const;
   /// The solution of the closed form that is nearest to `seed`, inside the ranges if `in_ranges_first` and
   /// there is one.
   [[nodiscard]] std::optional<TipSolution> solve_crane(const TipTarget& target,

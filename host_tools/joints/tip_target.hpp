@@ -10,9 +10,9 @@ namespace inbetween {
 
 /// Where a link is asked to be, in the world (m). Its x axis is the one that looks: the lens of a camera.
 struct TipTarget {
-  std::optional<Vector3<double>> position = {};
+  std::optional<Vector3> position = {};
   /// The point at which the link looks.
-  std::optional<Vector3<double>> aim = {};
+  std::optional<Vector3> aim = {};
   /// How far the link is turned about its x axis (rad); at 0 its y axis is level and its z axis points up.
   std::optional<double> roll = {};
 };

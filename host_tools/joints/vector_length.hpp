@@ -7,7 +7,7 @@
 
 namespace inbetween {
 
-inline double length(const Vector3<double>& v) {
+inline double length(const Vector3& v) {
   return std::sqrt(dot(v, v));
 }
 

@@ -29,7 +29,7 @@ void Arriving::tick(std::int32_t ticks, std::int64_t now_ns) {
   bool moved = false;
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     const double now = loop_.drive_states()[i].actual;
-    const DriveState<double>& drive = loop_.drive_states()[i];
+    const DriveState& drive = loop_.drive_states()[i];
     const bool arrives = !drive.is_in_position && drive.own_stop == OwnStop::none;
     moved = moved || arrives || now != positions_[i];
     positions_[i] = now;
@@ -50,7 +50,7 @@ void Disarming::tick(std::int32_t ticks, std::int64_t now_ns) {
     loop_.post(SupervisorEvent::disarm);
   }
   is_over_ = state == SupervisorState::disarmed &&
-             std::ranges::none_of(loop_.drive_states(), &DriveState<double>::is_leaving);
+             std::ranges::none_of(loop_.drive_states(), &DriveState::is_leaving);
 }
 
 }  // namespace inbetween

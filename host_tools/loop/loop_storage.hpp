@@ -16,18 +16,18 @@ class LoopStorage {
   LoopStorage(const LoopStorage&) = delete;
   LoopStorage& operator=(const LoopStorage&) = delete;
 
-  [[nodiscard]] LoopMemory<double> memory() { return {states_, setpoints_, next_, motions_}; }
+  [[nodiscard]] LoopMemory memory() { return {states_, setpoints_, next_, motions_}; }
   /// The setpoints that the drives were told last.
   [[nodiscard]] std::vector<double> targets() const {
     std::vector<double> targets;
-    for (const Setpoint<double>& setpoint : setpoints_) targets.push_back(setpoint.position);
+    for (const Setpoint& setpoint : setpoints_) targets.push_back(setpoint.position);
     return targets;
   }
 
  private:
-  std::vector<DriveState<double>> states_;
-  std::vector<Setpoint<double>> setpoints_, next_;
-  std::vector<AxisMotion<double>> motions_;
+  std::vector<DriveState> states_;
+  std::vector<Setpoint> setpoints_, next_;
+  std::vector<AxisMotion> motions_;
 };
 
 }  // namespace inbetween

@@ -17,7 +17,7 @@ class ManualMotion final : public LoopTask {
  public:
   /// `doing` says what it is, "going to the start", and lives longer. How many ticks it takes if that is
   /// known.
-  ManualMotion(RunLoop& loop, const FreeSpec<double>& spec, const char* doing,
+  ManualMotion(RunLoop& loop, const FreeSpec& spec, const char* doing,
                std::optional<std::int64_t> last = std::nullopt)
       : loop_(loop), spec_(spec), keys_(loop, false), doing_(doing), last_(last) {}
 
@@ -35,7 +35,7 @@ class ManualMotion final : public LoopTask {
 
  private:
   RunLoop& loop_;
-  FreeSpec<double> spec_;
+  FreeSpec spec_;
   OperatorKeys keys_;
   const char* doing_;
   std::optional<std::int64_t> last_;

@@ -28,7 +28,7 @@ class Looking final : public Preparation {
   }
   [[nodiscard]] bool is_over() const override { return has_looked_; }
 
-  [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
+  [[nodiscard]] const std::vector<DriveState>& states() const { return states_; }
   [[nodiscard]] double told(std::size_t axis) const { return told_[axis].position; }
   /// Setpoints have ceased, and nobody has acknowledged it.
   [[nodiscard]] bool has_ceased() const {
@@ -36,8 +36,8 @@ class Looking final : public Preparation {
   }
 
  private:
-  std::vector<DriveState<double>> states_;
-  std::vector<Setpoint<double>> told_;
+  std::vector<DriveState> states_;
+  std::vector<Setpoint> told_;
   SupervisorState state_ = SupervisorState::disarmed;
   bool has_looked_ = false;
 };
@@ -128,7 +128,7 @@ std::string RigSession::rest() {
   for (std::size_t a = 0; a < positions_.size(); ++a) positions_[a] = looking.states()[a].actual;
   reference_.at_rest(drives_, looking.states(), looking.has_ceased());
   for (std::size_t a = 0; a < positions_.size(); ++a) {
-    const DriveState<double>& drive = looking.states()[a];
+    const DriveState& drive = looking.states()[a];
     if (drive.is_in_position || drive.own_stop != OwnStop::none) continue;
     const RigAxis& axis = rig_.axes[a];
     const double off = looking.told(a) - drive.actual;
@@ -141,7 +141,7 @@ std::string RigSession::rest() {
   return "";
 }
 
-void RigSession::keep(const std::vector<DriveState<double>>& states) {
+void RigSession::keep(const std::vector<DriveState>& states) {
   reference_.at_rest(drives_, states, false);
 }
 

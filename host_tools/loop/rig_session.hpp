@@ -74,7 +74,7 @@ class RigSession {
   /// told to be, and what to do; "" if all are, or were stopped.
   std::string rest();
   /// The same, of what the drives have told in the tick in which everything rested.
-  void keep(const std::vector<DriveState<double>>& states);
+  void keep(const std::vector<DriveState>& states);
   /// At once, or after a stop if something still moves. Nothing if it is not armed.
   void disarm();
   /// Disarmed, and no tick follows.

@@ -7,6 +7,6 @@
 
 namespace inbetween {
 
-using RunLoop = MotionLoop<double, RigDrives, RigInputs>;
+using RunLoop = MotionLoop<RigDrives, RigInputs>;
 
 }  // namespace inbetween

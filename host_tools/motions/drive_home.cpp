@@ -23,7 +23,7 @@ class HomingDrive {
   HomingDrive(can::Cia402Homing& homing, const RigInputs& lines, double position)
       : homing_(homing), lines_(lines), position_(position) {}
 
-  void tick(std::int64_t now_ns, std::span<Setpoint<double>> out) {
+  void tick(std::int64_t now_ns, std::span<Setpoint> out) {
     now_ns_ = now_ns;
     out[0] = {.position = position_};
     if (homing_.state() != can::DriveHomingState::waiting) return;
@@ -103,9 +103,9 @@ SetupEnd home_by_drive(const RigFile& rig, std::size_t axis, RigReference& refer
     can::Cia402Homing& homing = *session.drives().homing(0);
     HomingDrive motion(homing, session.lines(), session.positions()[0]);
     const std::vector<std::size_t> first{0};
-    const std::vector<AxisLimits<double>> limits{limits_of(one.axes[0])};
+    const std::vector<AxisLimits> limits{limits_of(one.axes[0])};
     ManualMotion play(session.loop(),
-                      {.source = source_of<double>(motion),
+                      {.source = source_of(motion),
                        .drive_of = first,
                        .limits = limits,
                        .tick_seconds = session.tick_seconds()},

@@ -5,7 +5,7 @@
 
 namespace inbetween {
 
-FreeAxisLimits<double> free_limits_of(const RigAxis& of, double share) {
+FreeAxisLimits free_limits_of(const RigAxis& of, double share) {
   const RigAxis axis = slow_enough_everywhere(of);
   const double acceleration = share * axis.max_acceleration;
   return {.velocity = share * axis.max_velocity,
@@ -15,9 +15,9 @@ FreeAxisLimits<double> free_limits_of(const RigAxis& of, double share) {
           .max = axis.max};
 }
 
-FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
-                              double tick_seconds) {
-  return value_or_refuse(FreeAxis<double>::make(limits, position, tick_seconds), axis.place,
+FreeAxis free_axis_of(const RigAxis& axis, const FreeAxisLimits& limits, double position,
+                      double tick_seconds) {
+  return value_or_refuse(FreeAxis::make(limits, position, tick_seconds), axis.place,
                          named(axis) + " cannot be moved");
 }
 

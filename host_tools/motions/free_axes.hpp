@@ -19,28 +19,28 @@ namespace inbetween {
 inline constexpr double seconds_to_acceleration = 0.05;
 
 /// `share` of an axis' velocity, acceleration and jerk, between its soft limits.
-FreeAxisLimits<double> free_limits_of(const RigAxis& of, double share);
+FreeAxisLimits free_limits_of(const RigAxis& of, double share);
 
 /// An axis of a rig at rest at `position`. Throws InputError at the axis where it cannot be moved so.
-FreeAxis<double> free_axis_of(const RigAxis& axis, const FreeAxisLimits<double>& limits, double position,
-                              double tick_seconds);
+FreeAxis free_axis_of(const RigAxis& axis, const FreeAxisLimits& limits, double position,
+                      double tick_seconds);
 
 /// A FreeSource, each axis by itself: they are on no common path. Allocates only when it is made.
 class FreeAxes {
  public:
-  explicit FreeAxes(std::vector<FreeAxis<double>> axes) : axes_(std::move(axes)) {}
+  explicit FreeAxes(std::vector<FreeAxis> axes) : axes_(std::move(axes)) {}
 
-  void tick(std::int64_t /*now_ns*/, std::span<Setpoint<double>> out) {
+  void tick(std::int64_t /*now_ns*/, std::span<Setpoint> out) {
     for (std::size_t i = 0; i < axes_.size(); ++i) out[i] = axes_[i].tick();
   }
-  void stop() { std::ranges::for_each(axes_, &FreeAxis<double>::stop); }
-  void halt() { std::ranges::for_each(axes_, &FreeAxis<double>::halt); }
-  [[nodiscard]] bool is_resting() const { return std::ranges::all_of(axes_, &FreeAxis<double>::is_resting); }
-  [[nodiscard]] std::span<FreeAxis<double>> axes() { return axes_; }
-  [[nodiscard]] std::span<const FreeAxis<double>> axes() const { return axes_; }
+  void stop() { std::ranges::for_each(axes_, &FreeAxis::stop); }
+  void halt() { std::ranges::for_each(axes_, &FreeAxis::halt); }
+  [[nodiscard]] bool is_resting() const { return std::ranges::all_of(axes_, &FreeAxis::is_resting); }
+  [[nodiscard]] std::span<FreeAxis> axes() { return axes_; }
+  [[nodiscard]] std::span<const FreeAxis> axes() const { return axes_; }
 
  private:
-  std::vector<FreeAxis<double>> axes_;
+  std::vector<FreeAxis> axes_;
 };
 
 }  // namespace inbetween

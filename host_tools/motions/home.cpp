@@ -36,7 +36,7 @@ void refuse_fast_homing(const RigFile& rig, const std::vector<std::size_t>& axes
 
 SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, RigReference& reference) {
   const RigFile& rig = session.rig();
-  std::vector<AxisLimits<double>> limits;
+  std::vector<AxisLimits> limits;
   limits.reserve(axes.size());
   for (const std::size_t a : axes) {
     limits.push_back(limits_of(slow_enough_everywhere(rig.axes[a])));
@@ -48,7 +48,7 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
                                .tick_seconds = session.tick_seconds(),
                                .delay_ns = session.delay_ns()});
   ManualMotion play(session.loop(),
-                    {.source = source_of<double>(homing),
+                    {.source = source_of(homing),
                      .drive_of = axes,
                      .limits = limits,
                      .tick_seconds = session.tick_seconds()},

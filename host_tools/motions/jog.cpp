@@ -30,8 +30,8 @@ double of_series(int i) {
   return decade >= 0 ? digit * power : digit / power;
 }
 
-FreeAxisLimits<double> jog_limits(const RigAxis& axis, double share, bool is_referenced, double position) {
-  FreeAxisLimits<double> limits = free_limits_of(axis, share);
+FreeAxisLimits jog_limits(const RigAxis& axis, double share, bool is_referenced, double position) {
+  FreeAxisLimits limits = free_limits_of(axis, share);
   if (!is_referenced) limits.velocity *= unreferenced_jog_share;
   const bool is_outside = position < axis.min || position > axis.max;
   if (is_outside) limits.velocity = std::min(limits.velocity, free_limits_of(axis, slow_share).velocity);
@@ -53,8 +53,8 @@ JogIncrements jog_increments(const RigAxis& axis) {
   return increments;
 }
 
-Jog::Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vector<JogAxis> axes,
-         std::size_t selected, bool teaches)
+Jog::Jog(RunLoop& loop, const FreeSpec& spec, FreeAxes& free, std::vector<JogAxis> axes, std::size_t selected,
+         bool teaches)
     : loop_(loop),
       spec_(spec),
       free_(free),
@@ -260,7 +260,7 @@ void Jog::kept() {
 }
 
 RunSnapshot Jog::snapshot() const {
-  const FreeAxis<double>& free = std::as_const(free_).axes()[selected_];
+  const FreeAxis& free = std::as_const(free_).axes()[selected_];
   const JogAxis& axis = axes_[selected_];
   return {.state = loop_.state(),
           .is_resting = free_.is_resting(),
@@ -283,8 +283,8 @@ namespace {
 /// All axes of a rig, ready to be moved by hand.
 struct JogRig {
   std::vector<std::size_t> drive_of;
-  std::vector<AxisLimits<double>> limits;
-  std::vector<FreeAxis<double>> free;
+  std::vector<AxisLimits> limits;
+  std::vector<FreeAxis> free;
   std::vector<JogAxis> axes;
 };
 
@@ -316,7 +316,7 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
   JogRig axes = jog_rig(session, reference, options.share, options.reach);
   FreeAxes free(std::move(axes.free));
   Jog jog(session.loop(),
-          {.source = source_of<double>(free),
+          {.source = source_of(free),
            .drive_of = axes.drive_of,
            .limits = axes.limits,
            .tick_seconds = session.tick_seconds()},
@@ -336,7 +336,7 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
       jog.kept();
     } else if (jog.asks() == Jog::Ask::teach) {
       std::vector<double> positions;
-      for (const FreeAxis<double>& axis : free.axes()) positions.push_back(axis.position());
+      for (const FreeAxis& axis : free.axes()) positions.push_back(axis.position());
       options.teach(jog.taught(), jog.selected(), positions);
       jog.has_taught();
     }

@@ -72,8 +72,8 @@ class Jog final : public LoopTask {
     teach,  ///< taught() was pressed
   };
 
-  Jog(RunLoop& loop, const FreeSpec<double>& spec, FreeAxes& free, std::vector<JogAxis> axes,
-      std::size_t selected, bool teaches = false);
+  Jog(RunLoop& loop, const FreeSpec& spec, FreeAxes& free, std::vector<JogAxis> axes, std::size_t selected,
+      bool teaches = false);
 
   /// Errors: those of MotionLoop::load and begin, the first time.
   Status begin() override;
@@ -92,7 +92,7 @@ class Jog final : public LoopTask {
   [[nodiscard]] TransportKey taught() const { return taught_; }
   void has_taught() { ask_ = Ask::none; }
   /// The states of all drives in the last tick.
-  [[nodiscard]] const std::vector<DriveState<double>>& states() const { return states_; }
+  [[nodiscard]] const std::vector<DriveState>& states() const { return states_; }
   /// The operator is the reason that it is over, and nothing else is.
   [[nodiscard]] bool was_left() const {
     return keys_.wants_to_leave() && loop_.state() == SupervisorState::latched && !keys_.has_lost_time();
@@ -110,14 +110,14 @@ class Jog final : public LoopTask {
   void hold(int direction);
   void take_hold();
   void let_go();
-  [[nodiscard]] FreeAxis<double>& axis() { return free_.axes()[selected_]; }
+  [[nodiscard]] FreeAxis& axis() { return free_.axes()[selected_]; }
 
   RunLoop& loop_;
-  FreeSpec<double> spec_;
+  FreeSpec spec_;
   FreeAxes& free_;
   std::vector<JogAxis> axes_;
   std::vector<bool> is_marked_;
-  std::vector<DriveState<double>> states_;
+  std::vector<DriveState> states_;
   OperatorKeys keys_;
   std::size_t selected_;
   std::size_t size_ = 2;  ///< of the increments

@@ -7,9 +7,9 @@ constexpr double backs_to_leave = 4;
 
 }  // namespace
 
-HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& home) {
+HomingSpec homing_spec_of(const RigAxis& axis, const SwitchSettings& home) {
   const Home& of = *axis.home;
-  const FreeAxisLimits<double> limits = free_limits_of(axis, 1);
+  const FreeAxisLimits limits = free_limits_of(axis, 1);
   const double overrun = of.fast * (of.fast / limits.acceleration + limits.acceleration / limits.jerk);
   return {.towards_max = of.direction > 0,
           .at = of.at,
@@ -21,8 +21,8 @@ HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& hom
           .home = home};
 }
 
-AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free) {
-  return value_or_refuse(AxisHoming<double>::make(homing_spec_of(axis, home), free), axis.home->place,
+AxisHoming axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis& free) {
+  return value_or_refuse(AxisHoming::make(homing_spec_of(axis, home), free), axis.home->place,
                          named(axis) + " cannot home");
 }
 

@@ -31,10 +31,10 @@ concept HomeLines = requires(const Lines& lines, std::size_t axis) {
 /// The spec of AxisHoming from the `home` of the rig. An axis that stands on its switch leaves it by at most
 /// the way that it runs over it and four times the way to back off: a stuck switch does not send it through
 /// the rig.
-HomingSpec<double> homing_spec_of(const RigAxis& axis, const SwitchSettings& home);
+HomingSpec homing_spec_of(const RigAxis& axis, const SwitchSettings& home);
 
 /// The homing of an axis with a `home`. Throws InputError at the place of a homing that is not possible.
-AxisHoming<double> axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis<double>& free);
+AxisHoming axis_homing_of(const RigAxis& axis, const SwitchSettings& home, FreeAxis& free);
 
 /// A FreeSource: the axes home together from where they stand when the loop begins. Refers to the rig, the
 /// lines and the states of its drives. Allocates only when it is made.
@@ -42,8 +42,8 @@ template <HomeLines Lines>
 class RigHoming {
  public:
   struct Setting {
-    std::span<const double> positions;           ///< of all axes of the rig, now
-    std::span<const DriveState<double>> drives;  ///< of all axes, in every tick
+    std::span<const double> positions;   ///< of all axes of the rig, now
+    std::span<const DriveState> drives;  ///< of all axes, in every tick
     double tick_seconds = 0;
     std::int64_t delay_ns = 0;  ///< the setpoints of a tick are reached so much later
   };
@@ -67,7 +67,7 @@ class RigHoming {
   RigHoming(const RigHoming&) = delete;
   RigHoming& operator=(const RigHoming&) = delete;
 
-  void tick(std::int64_t now_ns, std::span<Setpoint<double>> out) {
+  void tick(std::int64_t now_ns, std::span<Setpoint> out) {
     look();
     if (!has_begun_) {
       has_begun_ = true;
@@ -137,11 +137,11 @@ class RigHoming {
   const RigFile& rig_;
   std::vector<std::size_t> indices_;
   const Lines& lines_;
-  std::span<const DriveState<double>> drives_;
-  std::vector<FreeAxis<double>> free_;
-  std::vector<AxisHoming<double>> homings_;
+  std::span<const DriveState> drives_;
+  std::vector<FreeAxis> free_;
+  std::vector<AxisHoming> homings_;
   std::vector<HomingInput> inputs_;
-  std::optional<Homing<double>> homing_;
+  std::optional<Homing> homing_;
   std::optional<Error> refusal_;
   bool has_begun_ = false;
   std::int32_t cause_axis_ = -1;

@@ -28,12 +28,12 @@ void refuse_beyond_highest_rate(const Plan& plan, const CheckReport& report, dou
 }
 
 void refuse_positions_beyond_limits(const Plan& plan) {
-  const Move<double>& move = plan.played();
+  const Move& move = plan.played();
   const PlayedMotion& motion = plan.motion();
   const std::int64_t last = move.last_tick_at(plan.rig()->rate_hz);
   std::vector<double> positions(move.axis_count());
   for (std::int64_t tick = 0; tick <= last; ++tick) {
-    const FrameTime<double> when = move.time_of_tick(tick, plan.rig()->rate_hz);
+    const FrameTime when = move.time_of_tick(tick, plan.rig()->rate_hz);
     motion.positions(when, positions);
     for (std::size_t d = 0; d < positions.size(); ++d) {
       if (positions[d] >= plan.limits()[d].min() && positions[d] <= plan.limits()[d].max()) continue;
@@ -67,11 +67,11 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
 }
 
 std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual,
-                                      const std::optional<FrameTime<double>>& start,
+                                      const std::optional<FrameTime>& start,
                                       const std::string& as_arguments) {
   const RigFile& rig = *plan.rig();
   std::vector<double> first(plan.played().axis_count());
-  plan.motion().positions(start.value_or(FrameTime<double>{plan.played().first_frame(), 0}), first);
+  plan.motion().positions(start.value_or(FrameTime{plan.played().first_frame(), 0}), first);
   std::vector<GoTarget> away;
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     if (!plan.axes()[a].track) continue;

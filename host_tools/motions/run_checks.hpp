@@ -23,7 +23,7 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
 /// time line unless said otherwise; `as_arguments` are those of SessionOptions. Throws InputError at one that
 /// stands outside its limits.
 std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> actual,
-                                      const std::optional<FrameTime<double>>& start = {},
+                                      const std::optional<FrameTime>& start = {},
                                       const std::string& as_arguments = "");
 
 /// Throws InputError where the axis has to go to the start of the move and nobody can agree to it.

@@ -37,7 +37,7 @@ std::shared_ptr<const PlannedStops> stops_up_to(const Plan& plan, double rate, c
   return StagedMove::stops_of(plan, rate);  // says why
 }
 
-FrameTime<double> place_on_time_line(double frame) {
+FrameTime place_on_time_line(double frame) {
   const double whole = std::round(frame);
   if (std::fabs(frame - whole) <= whole_frame_rounding) return {static_cast<std::int32_t>(whole), 0};
   return moved_by({0, 0.0}, frame);
@@ -45,8 +45,8 @@ FrameTime<double> place_on_time_line(double frame) {
 
 /// Where the motion steps in a way that no axis may follow at `rate` times the drawn speed, and at the ends
 /// of a move that is moving there without a roll.
-std::vector<FrameTime<double>> rests_of(const Plan& plan, const CheckReport& report, double rate) {
-  std::vector<FrameTime<double>> rests;
+std::vector<FrameTime> rests_of(const Plan& plan, const CheckReport& report, double rate) {
+  std::vector<FrameTime> rests;
   for (const CheckedStep& step : report.steps) {
     CheckedStep slower = step;
     slower.acceleration *= rate * rate;
@@ -79,10 +79,9 @@ void refuse_exposures(StagedMove& staged, const ShootOptions& options) {
   const MoveFile& move = staged.plan().move();
   const WholeFrames due = shot_frames(move, options);
   std::vector<std::int32_t> shots(static_cast<std::size_t>(due.last - due.first) + 1);
-  const ShootFrames<double> frames{
-      .last = move.frames, .first = due.first, .shots = shots, .rests = staged.rests()};
-  const ShootSpec<double> spec = shoot_spec(options, *staged.plan().rig());
-  const Status possible = FrameShoot<double>(spec, frames, staged.playhead(), nullptr).check();
+  const ShootFrames frames{.last = move.frames, .first = due.first, .shots = shots, .rests = staged.rests()};
+  const ShootSpec spec = shoot_spec(options, *staged.plan().rig());
+  const Status possible = FrameShoot(spec, frames, staged.playhead(), nullptr).check();
   if (possible) return;
   throw LimitError(move.frames_place,
                    fmt::format("frame {} cannot be exposed in motion: {}; {}", possible.error().frame,

@@ -7,7 +7,7 @@
 
 namespace inbetween {
 
-ShootSpec<double> shoot_spec(const ShootOptions& options, const RigFile& rig) {
+ShootSpec shoot_spec(const ShootOptions& options, const RigFile& rig) {
   const std::int32_t rate_hz = rig.rate_hz;
   // The play of a gear that was being crossed, and back where the axis has turned again meanwhile.
   double take_up_s = 0;

@@ -22,16 +22,16 @@ namespace inbetween {
 /// As somebody asks for it.
 struct ShootOptions {
   double settle_s = 0.5;
-  double exposure_s = 0.1;                      ///< of the camera's signal; with a shutter, of the exposure
-  std::optional<Shutter<double>> shutter = {};  ///< the rig moves while it is open
-  std::vector<std::string> still = {};          ///< axes that stand still meanwhile
+  double exposure_s = 0.1;              ///< of the camera's signal; with a shutter, of the exposure
+  std::optional<Shutter> shutter = {};  ///< the rig moves while it is open
+  std::vector<std::string> still = {};  ///< axes that stand still meanwhile
   bool is_loop = false;                 ///< the last frame of the move is its first, and is not shot again
   FrameRange frames = {};               ///< those that are shot; all where nothing is said
   std::optional<std::string> log = {};  ///< a line for each exposure goes there (shoot_log.hpp)
 };
 
 /// In ticks of a rig, rounded up.
-ShootSpec<double> shoot_spec(const ShootOptions& options, const RigFile& rig);
+ShootSpec shoot_spec(const ShootOptions& options, const RigFile& rig);
 
 /// The frames of the move that are shot. Throws InputError where it has no such frames.
 WholeFrames shot_frames(const MoveFile& move, const ShootOptions& options);
@@ -68,12 +68,12 @@ class Shooting final : public LoopTask {
   void log(bool is_whole);
 
   RunLoop& loop_;
-  LoopSpec<double> spec_;
+  LoopSpec spec_;
   SimulatedCamera& camera_;
   std::int32_t frames_;  ///< N of the move
   WholeFrames due_;
   std::vector<std::int32_t> shots_;
-  FrameShoot<double> shoot_;
+  FrameShoot shoot_;
   OperatorKeys keys_;
   ShootingLines lines_;
   std::int64_t cut_off_ = 0;

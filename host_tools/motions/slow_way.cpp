@@ -15,15 +15,15 @@ namespace inbetween {
 namespace {
 
 /// The way from 0 to 1 as an axis, whose limits are the lowest that any axis leaves it.
-FreeAxis<double> way_along(const RigFile& rig, std::span<const GoTarget> targets,
-                           std::span<const double> actual, double share) {
+FreeAxis way_along(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
+                   double share) {
   constexpr double none = std::numeric_limits<double>::infinity();
-  FreeAxisLimits<double> along{
+  FreeAxisLimits along{
       .velocity = none, .acceleration = none, .jerk = none, .min = 0, .max = 1, .stop_share = none};
   for (const GoTarget& target : targets) {
     const RigAxis& axis = rig.axes[target.axis];
-    const FreeAxisLimits<double> slow = free_limits_of(axis, share);
-    const AxisLimits<double> limits = limits_of(slow_enough_everywhere(axis));
+    const FreeAxisLimits slow = free_limits_of(axis, share);
+    const AxisLimits limits = limits_of(slow_enough_everywhere(axis));
     const double way = std::fabs(target.position - actual[target.axis]);
     along.velocity = std::min(along.velocity, slow.velocity / way);
     along.acceleration = std::min(along.acceleration, slow.acceleration / way);
@@ -31,7 +31,7 @@ FreeAxis<double> way_along(const RigFile& rig, std::span<const GoTarget> targets
     along.stop_share = std::min(along.stop_share, limits.stop_acceleration() / slow.acceleration);
     if (limits.stop_jerk()) along.stop_share = std::min(along.stop_share, *limits.stop_jerk() / slow.jerk);
   }
-  return value_or_refuse(FreeAxis<double>::make(along, 0, 1.0 / rig.rate_hz), {rig.path, 0, 0},
+  return value_or_refuse(FreeAxis::make(along, 0, 1.0 / rig.rate_hz), {rig.path, 0, 0},
                          "the axes cannot be moved");
 }
 
@@ -54,11 +54,11 @@ SlowWay::SlowWay(const RigFile& rig, std::span<const GoTarget> targets, std::spa
     to_.push_back(target.position);
   }
   value_or_refuse(along_.go_to(1), {rig.path, 0, 0});
-  for (FreeAxis<double> tried = along_; !tried.is_resting(); ++ticks_) tried.tick();
+  for (FreeAxis tried = along_; !tried.is_resting(); ++ticks_) tried.tick();
 }
 
-void SlowWay::tick(std::int64_t /*now_ns*/, std::span<Setpoint<double>> out) {
-  const Setpoint<double> along = along_.tick();
+void SlowWay::tick(std::int64_t /*now_ns*/, std::span<Setpoint> out) {
+  const Setpoint along = along_.tick();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const double way = to_[i] - from_[i];
     out[i] = {.position = along.position == 1 ? to_[i] : from_[i] + way * along.position,
@@ -67,11 +67,9 @@ void SlowWay::tick(std::int64_t /*now_ns*/, std::span<Setpoint<double>> out) {
   }
 }
 
-FreeSpec<double> SlowWay::loop_spec() {
-  return {.source = source_of<double>(*this),
-          .drive_of = axes_,
-          .limits = limits_,
-          .tick_seconds = 1.0 / rig_.rate_hz};
+FreeSpec SlowWay::loop_spec() {
+  return {
+      .source = source_of(*this), .drive_of = axes_, .limits = limits_, .tick_seconds = 1.0 / rig_.rate_hz};
 }
 
 std::string SlowWay::describe(const std::string& title) const {

@@ -41,12 +41,12 @@ class SlowWay {
   SlowWay(const SlowWay&) = delete;
   SlowWay& operator=(const SlowWay&) = delete;
 
-  void tick(std::int64_t now_ns, std::span<Setpoint<double>> out);
+  void tick(std::int64_t now_ns, std::span<Setpoint> out);
   void stop() { along_.stop(); }
   void halt() { along_.halt(); }
   [[nodiscard]] bool is_resting() const { return along_.is_resting(); }
 
-  [[nodiscard]] FreeSpec<double> loop_spec();
+  [[nodiscard]] FreeSpec loop_spec();
   [[nodiscard]] std::span<const std::size_t> axes() const { return axes_; }
   /// Until it rests at its end.
   [[nodiscard]] std::int64_t ticks() const { return ticks_; }
@@ -58,9 +58,9 @@ class SlowWay {
   const RigFile& rig_;
   double share_;
   std::vector<std::size_t> axes_;
-  std::vector<AxisLimits<double>> limits_;
+  std::vector<AxisLimits> limits_;
   std::vector<double> from_, to_;
-  FreeAxis<double> along_;  ///< from 0, where every axis is at `from_`, to 1
+  FreeAxis along_;  ///< from 0, where every axis is at `from_`, to 1
   std::int64_t ticks_ = 0;
 };
 

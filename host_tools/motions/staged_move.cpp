@@ -12,8 +12,8 @@
 namespace inbetween {
 namespace {
 
-[[noreturn]] void refuse(const Plan& plan, const StopObstacle<double>& obstacle, const char* what,
-                         double rate, const char* remedy) {
+[[noreturn]] void refuse(const Plan& plan, const StopObstacle& obstacle, const char* what, double rate,
+                         const char* remedy) {
   const std::size_t axis = plan.axis_of(static_cast<std::size_t>(obstacle.axis));
   throw LimitError(plan.place_of(axis),
                    fmt::format("axis {} could not be {} at frame {:.2f} from {:g} times the drawn speed; {}",
@@ -39,8 +39,8 @@ std::vector<PlannedStops> rungs_of(const Plan& plan, const PlannedStops& stops, 
   return rungs;
 }
 
-std::vector<StopBounds<double>> bounds_of(const std::vector<PlannedStops>& rungs) {
-  std::vector<StopBounds<double>> bounds;
+std::vector<StopBounds> bounds_of(const std::vector<PlannedStops>& rungs) {
+  std::vector<StopBounds> bounds;
   bounds.reserve(rungs.size());
   for (const PlannedStops& rung : rungs) bounds.push_back(*rung.bounds());
   return bounds;
@@ -75,12 +75,12 @@ StagedMove::StagedMove(const Plan& plan, std::shared_ptr<const PlannedStops> sto
   if (!shoot_.still.empty()) still_ = playhead_;
 }
 
-LoopSpec<double> StagedMove::loop_spec() {
-  LoopSpec<double> spec{.move = &plan_.motion(),
-                        .playhead = &playhead_,
-                        .drive_of = drive_of_,
-                        .limits = loop_limits_,
-                        .tick_seconds = 1.0 / plan_.rig()->rate_hz};
+LoopSpec StagedMove::loop_spec() {
+  LoopSpec spec{.move = &plan_.motion(),
+                .playhead = &playhead_,
+                .drive_of = drive_of_,
+                .limits = loop_limits_,
+                .tick_seconds = 1.0 / plan_.rig()->rate_hz};
   spec.counts = counts_;
   if (still_) {
     spec.still = &*still_;

@@ -16,10 +16,10 @@ namespace inbetween {
 
 /// What a move needs beside that to be shot frame by frame.
 struct ShootStage {
-  double exposure_rate = 0;                   ///< exposures pass at up to so many times the drawn speed
-  std::vector<std::string> still = {};        ///< axes of the plan that stand still meanwhile
-  std::int32_t first_frame = 0;               ///< where the rig begins
-  std::vector<FrameTime<double>> rests = {};  ///< where every travel rests, ascending
+  double exposure_rate = 0;             ///< exposures pass at up to so many times the drawn speed
+  std::vector<std::string> still = {};  ///< axes of the plan that stand still meanwhile
+  std::int32_t first_frame = 0;         ///< where the rig begins
+  std::vector<FrameTime> rests = {};    ///< where every travel rests, ascending
 };
 
 /// Stop bounds, a playhead on the first frame, and another for axes that stand still during exposures. Refers
@@ -47,12 +47,12 @@ class StagedMove {
   static std::shared_ptr<const PlannedStops> stops_of(const Plan& plan, double rate);
 
   [[nodiscard]] const Plan& plan() const { return plan_; }
-  [[nodiscard]] Playhead<double>& playhead() { return playhead_; }
+  [[nodiscard]] Playhead& playhead() { return playhead_; }
   /// Null where no axis has it.
-  [[nodiscard]] Playhead<double>* still() { return still_ ? &*still_ : nullptr; }
+  [[nodiscard]] Playhead* still() { return still_ ? &*still_ : nullptr; }
   /// Where every travel of a shoot rests.
-  [[nodiscard]] std::span<const FrameTime<double>> rests() const { return shoot_.rests; }
-  [[nodiscard]] LoopSpec<double> loop_spec();
+  [[nodiscard]] std::span<const FrameTime> rests() const { return shoot_.rests; }
+  [[nodiscard]] LoopSpec loop_spec();
   /// Throws LimitError where a loop would step.
   void set_repeat(Repeat repeat);
 
@@ -61,12 +61,12 @@ class StagedMove {
   std::shared_ptr<const PlannedStops> stops_;
   ShootStage shoot_;
   std::vector<PlannedStops> rungs_;
-  std::vector<StopBounds<double>> rung_bounds_;
-  Playhead<double> playhead_;
-  std::optional<Playhead<double>> still_;
+  std::vector<StopBounds> rung_bounds_;
+  Playhead playhead_;
+  std::optional<Playhead> still_;
   std::vector<std::size_t> drive_of_;
   std::vector<double> counts_;
-  std::vector<AxisLimits<double>> loop_limits_;
+  std::vector<AxisLimits> loop_limits_;
   std::unique_ptr<bool[]> is_still_;  // std::vector<bool> has no bools to show
 };
 

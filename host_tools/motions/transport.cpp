@@ -75,7 +75,7 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   // A signal from before anybody waited is dropped, as a key would be: the rig does not start for it.
   if (is_waiting_ && lines_.start(now_ns) && is_heard_) keys_.say(start());
   is_heard_ = true;
-  const PlayheadPlace<double> from = place_of(playhead_);
+  const PlayheadPlace from = place_of(playhead_);
   const LoopTick result = loop_.tick(ticks, now_ns);
   note(result);
   if (lines_.cues == nullptr) return;

@@ -82,14 +82,14 @@ class Transport final : public LoopTask {
     return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_ && !is_back_;
   }
   [[nodiscard]] bool is_at_start() const {
-    return playhead_.is_resting() && playhead_.time() == FrameTime<double>{move_.first_frame(), 0};
+    return playhead_.is_resting() && playhead_.time() == FrameTime{move_.first_frame(), 0};
   }
   [[nodiscard]] bool is_between_takes() const { return has_takes_ && take_ != Take::playing; }
 
   RunLoop& loop_;
-  LoopSpec<double> spec_;
-  Playhead<double>& playhead_;
-  const Move<double>& move_;
+  LoopSpec spec_;
+  Playhead& playhead_;
+  const Move& move_;
   OperatorKeys keys_;
   TransportLines lines_;
   bool is_waiting_ = false;  ///< for its start

@@ -22,13 +22,13 @@ constexpr int places_between_keys = 64;
 constexpr double range_rounding = 1e-9;
 
 /// The length of some rows of a path, as a sum of chords.
-double rough_length(const Path<double>& path, const std::vector<std::size_t>& rows) {
+double rough_length(const Path& path, const std::vector<std::size_t>& rows) {
   double sum = 0;
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
     for (int k = 0; k < chords_between_keys; ++k) {
       double chord = 0;
       for (const std::size_t row : rows) {
-        const Cubic<double>& c = path.segment(i)[row];
+        const Cubic& c = path.segment(i)[row];
         chord = std::hypot(chord, c.value((k + 1.0) / chords_between_keys) -
                                       c.value(k / static_cast<double>(chords_between_keys)));
       }
@@ -94,8 +94,8 @@ bool is_c2(const MoveTrack& track) {
   return track.spline == Spline::smooth && track.overshoot;
 }
 
-AxesInSpace::AxesInSpace(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
-                         const RigFile& rig, const std::optional<Vector3<double>>& aim)
+AxesInSpace::AxesInSpace(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
+                         const RigFile& rig, const std::optional<Vector3>& aim)
     : track_(track),
       space_(*track.space),
       drawn_(drawn),
@@ -111,16 +111,11 @@ AxesInSpace::AxesInSpace(const MoveTrack& track, const Track<double>& drawn, con
 }
 
 FollowedPath AxesInSpace::follow() {
-  const Path<double>& path = drawn_.path();
-  const Follower follower{.at =
-                              [this](const PathPoint<double>& place) {
-                                return solve_at(place, place.segment == 0 && place.t == 0);
-                              },
-                          .slope =
-                              [this](const PathPoint<double>& place) {
-                                return solver_.rates(target(place), rate(place), before_);
-                              },
-                          .has_slopes = is_determined()};
+  const Path& path = drawn_.path();
+  const Follower follower{
+      .at = [this](const PathPoint& place) { return solve_at(place, place.segment == 0 && place.t == 0); },
+      .slope = [this](const PathPoint& place) { return solver_.rates(target(place), rate(place), before_); },
+      .has_slopes = is_determined()};
   if (!follower.has_slopes && !is_c2(track_)) {
     throw InputError(space_.place,
                      R"(the keys leave some of the axes free, which needs spline = "smooth" without )"
@@ -141,7 +136,7 @@ FollowedPath AxesInSpace::follow() {
       });
   refuse_beyond_ranges(followed, [&](std::size_t step, double t) {
     const FrameKnot& knot = followed.knots[step];
-    return PathPoint<double>{knot.key, (knot.part + t) / knot.parts};
+    return PathPoint{knot.key, (knot.part + t) / knot.parts};
   });
   return followed;
 }
@@ -178,10 +173,10 @@ std::string AxesInSpace::name_of(std::size_t axis) const {
 }
 
 template <class Number>
-TipTarget AxesInSpace::target_of(const Number& number, const std::optional<Vector3<double>>& aim) const {
-  const auto vector = [&](const std::vector<std::size_t>& rows) -> std::optional<Vector3<double>> {
+TipTarget AxesInSpace::target_of(const Number& number, const std::optional<Vector3>& aim) const {
+  const auto vector = [&](const std::vector<std::size_t>& rows) -> std::optional<Vector3> {
     if (rows.empty()) return std::nullopt;
-    return Vector3<double>{number(rows[0]), number(rows[1]), number(rows[2])};
+    return Vector3{number(rows[0]), number(rows[1]), number(rows[2])};
   };
   TipTarget result{
       .position = vector(rows_.at), .aim = rows_.aim.empty() ? aim : vector(rows_.aim), .roll = {}};
@@ -189,31 +184,30 @@ TipTarget AxesInSpace::target_of(const Number& number, const std::optional<Vecto
   return result;
 }
 
-TipTarget AxesInSpace::target(const PathPoint<double>& place) const {
-  const std::span<const Cubic<double>> cubics = drawn_.path().segment(place.segment);
+TipTarget AxesInSpace::target(const PathPoint& place) const {
+  const std::span<const Cubic> cubics = drawn_.path().segment(place.segment);
   return target_of([&](std::size_t row) { return cubics[row].value(place.t); }, aim_);
 }
 
-TipTargetRate AxesInSpace::rate(const PathPoint<double>& place) const {
-  const std::span<const Cubic<double>> cubics = drawn_.path().segment(place.segment);
+TipTargetRate AxesInSpace::rate(const PathPoint& place) const {
+  const std::span<const Cubic> cubics = drawn_.path().segment(place.segment);
   return target_of([&](std::size_t row) { return cubics[row].derivative(place.t); }, std::nullopt);
 }
 
-const std::vector<double>& AxesInSpace::at(const FrameTime<double>& time, const MovingPoint& aim,
-                                           bool is_first) {
+const std::vector<double>& AxesInSpace::at(const FrameTime& time, const MovingPoint& aim, bool is_first) {
   aim_ = aim.position;
   return solve_at(drawn_.locate(time), is_first);
 }
 
-std::vector<double> AxesInSpace::velocities(const FrameTime<double>& time, const MovingPoint& aim) const {
-  std::vector<AxisMotion<double>> motion(rows_.count);
+std::vector<double> AxesInSpace::velocities(const FrameTime& time, const MovingPoint& aim) const {
+  std::vector<AxisMotion> motion(rows_.count);
   static_cast<void>(drawn_.motion(time, motion));
   return solver_.rates(target(drawn_.locate(time)),
                        target_of([&](std::size_t row) { return motion[row].velocity; }, aim.velocity),
                        before_);
 }
 
-const std::vector<double>& AxesInSpace::solve_at(const PathPoint<double>& place, bool is_first) {
+const std::vector<double>& AxesInSpace::solve_at(const PathPoint& place, bool is_first) {
   const TipTarget wanted = target(place);
   const TipSolution found = is_first ? solver_.solve_from_ranges(wanted) : solver_.solve(wanted, before_);
   if (!found.is_exact()) refuse_miss(place, found.positions);
@@ -232,25 +226,25 @@ std::size_t AxesInSpace::weak_axis_between(const TipTarget& wanted, const std::v
   return solver_.freedom(wanted, middle, rank_).weak_axis;
 }
 
-void AxesInSpace::refuse(const PathPoint<double>& place, const std::string& problem) const {
+void AxesInSpace::refuse(const PathPoint& place, const std::string& problem) const {
   const std::size_t key = std::min(static_cast<std::size_t>(place.segment), track_.keys.size() - 1);
   const double way = drawn_.arc_length().distance(drawn_.path(), place).high;
   throw InputError(track_.keys[key].place, fmt::format("frame {:.2f}, {:.4g} m along the path: {}",
                                                        frame_of_place(drawn_, place), way, problem));
 }
 
-void AxesInSpace::refuse_singular(const PathPoint<double>& place, std::size_t axis) const {
+void AxesInSpace::refuse_singular(const PathPoint& place, std::size_t axis) const {
   refuse(place,
          fmt::format("{} is in a singular place, where it cannot follow every direction and axis {} may be "
                      "anything; lead the path round it",
                      in_quotes(tip_.name), name_of(axis)));
 }
 
-void AxesInSpace::refuse_miss(const PathPoint<double>& place, const std::vector<double>& nearest) const {
-  PathPoint<double> worst = place;
+void AxesInSpace::refuse_miss(const PathPoint& place, const std::vector<double>& nearest) const {
+  PathPoint worst = place;
   TipSolution miss{.positions = nearest};
   for (int i = 0; i <= places_between_keys && place.segment < drawn_.path().segment_count(); ++i) {
-    const PathPoint<double> other{place.segment, static_cast<double>(i) / places_between_keys};
+    const PathPoint other{place.segment, static_cast<double>(i) / places_between_keys};
     const TipSolution found = solver_.solve(target(other), miss.positions);
     if (found.is_exact() || found.miss_m + found.miss_rad <= miss.miss_m + miss.miss_rad) continue;
     miss = found;
@@ -273,14 +267,13 @@ void AxesInSpace::refuse_miss(const PathPoint<double>& place, const std::vector<
 }
 
 void AxesInSpace::refuse_beyond_ranges(
-    const FollowedPath& path,
-    const std::function<PathPoint<double>(std::size_t step, double t)>& place_of) const {
+    const FollowedPath& path, const std::function<PathPoint(std::size_t step, double t)>& place_of) const {
   constexpr int samples = 8;
   const std::size_t rows = path.weights.size();
   double worst = range_rounding;
   std::size_t axis_of_worst = 0;
   double position_of_worst = 0;
-  PathPoint<double> place;
+  PathPoint place;
   for (std::size_t i = 0; i < path.cubics.size(); ++i) {
     const std::size_t d = i % rows;
     if (d >= coordinates_.size()) continue;

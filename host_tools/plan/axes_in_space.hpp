@@ -42,25 +42,25 @@ bool is_c2(const MoveTrack& track);
 
 /// A point that moves (m, m/s).
 struct MovingPoint {
-  Vector3<double> position;
-  Vector3<double> velocity;
+  Vector3 position;
+  Vector3 velocity;
 };
 
 /// `aim` is where the link that is looked at is at first, if it moves. Refers to what it is made of. What is
 /// refused throws InputError at the key before the place, with frame, distance along the path and axis.
 class AxesInSpace {
  public:
-  AxesInSpace(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
-              const RigFile& rig, const std::optional<Vector3<double>>& aim = {});
+  AxesInSpace(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics, const RigFile& rig,
+              const std::optional<Vector3>& aim = {});
 
   /// The whole path, with an aim that its rows have, if any.
   [[nodiscard]] FollowedPath follow();
 
   /// The positions at a moment at which the link that is looked at is there. Calls go on from the one before,
   /// and from `near` if this `is_first`.
-  const std::vector<double>& at(const FrameTime<double>& time, const MovingPoint& aim, bool is_first);
+  const std::vector<double>& at(const FrameTime& time, const MovingPoint& aim, bool is_first);
   /// Their velocities (unit/s), after at().
-  [[nodiscard]] std::vector<double> velocities(const FrameTime<double>& time, const MovingPoint& aim) const;
+  [[nodiscard]] std::vector<double> velocities(const FrameTime& time, const MovingPoint& aim) const;
 
   [[nodiscard]] const SpaceRows& rows() const { return rows_; }
   [[nodiscard]] const Tip& tip() const { return tip_; }
@@ -69,31 +69,30 @@ class AxesInSpace {
   [[nodiscard]] bool is_determined() const { return rank_ == coordinates_.size(); }
   /// What `check` would refuse too: an inverse solution beyond the range of an axis is none.
   /// `place_of` says where a step of the path is on the drawn one.
-  void refuse_beyond_ranges(
-      const FollowedPath& path,
-      const std::function<PathPoint<double>(std::size_t step, double t)>& place_of) const;
-  [[noreturn]] void refuse(const PathPoint<double>& place, const std::string& problem) const;
+  void refuse_beyond_ranges(const FollowedPath& path,
+                            const std::function<PathPoint(std::size_t step, double t)>& place_of) const;
+  [[noreturn]] void refuse(const PathPoint& place, const std::string& problem) const;
 
  private:
   [[nodiscard]] std::vector<TipAxis> axes_of_rig() const;
   void set_elbow();
   [[nodiscard]] std::string name_of(std::size_t axis) const;
-  [[nodiscard]] TipTarget target(const PathPoint<double>& place) const;
-  [[nodiscard]] TipTargetRate rate(const PathPoint<double>& place) const;
+  [[nodiscard]] TipTarget target(const PathPoint& place) const;
+  [[nodiscard]] TipTargetRate rate(const PathPoint& place) const;
   /// `number(row)` is that of a row of the path; `aim` stands in for rows that are not there.
   template <class Number>
-  [[nodiscard]] TipTarget target_of(const Number& number, const std::optional<Vector3<double>>& aim) const;
-  const std::vector<double>& solve_at(const PathPoint<double>& place, bool is_first);
+  [[nodiscard]] TipTarget target_of(const Number& number, const std::optional<Vector3>& aim) const;
+  const std::vector<double>& solve_at(const PathPoint& place, bool is_first);
   /// Of the singular place that lies between two solutions.
   [[nodiscard]] std::size_t weak_axis_between(const TipTarget& wanted, const std::vector<double>& before,
                                               const std::vector<double>& behind) const;
-  [[noreturn]] void refuse_singular(const PathPoint<double>& place, std::size_t axis) const;
+  [[noreturn]] void refuse_singular(const PathPoint& place, std::size_t axis) const;
   /// A place where the solver does not arrive: the worst one near it says how far the path is outside.
-  [[noreturn]] void refuse_miss(const PathPoint<double>& place, const std::vector<double>& nearest) const;
+  [[noreturn]] void refuse_miss(const PathPoint& place, const std::vector<double>& nearest) const;
 
   const MoveTrack& track_;
   const MoveSpace& space_;
-  const Track<double>& drawn_;
+  const Track& drawn_;
   const RigFile& rig_;
   const Kinematics& kinematics_;
   const Tip& tip_;
@@ -103,7 +102,7 @@ class AxesInSpace {
   std::size_t rank_ = 0;
   int sign_ = 0;
   std::vector<double> before_;
-  std::optional<Vector3<double>> aim_;  // of the link that is looked at, now
+  std::optional<Vector3> aim_;  // of the link that is looked at, now
 };
 
 }  // namespace inbetween

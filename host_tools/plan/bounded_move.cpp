@@ -15,10 +15,10 @@ constexpr std::size_t usual_steps = 64;
 /// What bound_move works in.
 class WorkingMemory {
  public:
-  WorkingMemory(std::span<const Track<double>> tracks, bool has_motors) {
+  WorkingMemory(std::span<const Track> tracks, bool has_motors) {
     std::size_t joints = 0;
     std::size_t axes = 0;
-    for (const Track<double>& track : tracks) {
+    for (const Track& track : tracks) {
       joints = std::max(joints, max_joints(track));
       axes = std::max(axes, static_cast<std::size_t>(track.path().axis_count()));
     }
@@ -51,14 +51,13 @@ class WorkingMemory {
   std::optional<MotorRoom> motor_;
   std::vector<SampledJoint> joints_;
   std::vector<double> travel_;
-  std::vector<AxisPeaks<double>> peaks_;
+  std::vector<AxisPeaks> peaks_;
   std::vector<TrajectoryStep> steps_;
 };
 
 }  // namespace
 
-BoundedMove::BoundedMove(const Move<double>& move, std::span<const Track<double>> tracks,
-                         BoundRequest request)
+BoundedMove::BoundedMove(const Move& move, std::span<const Track> tracks, BoundRequest request)
     : peaks_(move.axis_count() + request.motors.size()), steps_(usual_steps), room_(std::move(request.room)) {
   WorkingMemory memory(tracks, !request.motors.empty());
   const std::size_t axes = move.axis_count();
@@ -83,8 +82,7 @@ BoundedMove::BoundedMove(const Move<double>& move, std::span<const Track<double>
     }
     // Between two joints there may be more pieces than anybody would have expected.
     const bool may_grow =
-        bounded.error().code == ErrorCode::capacity &&
-        std::ranges::all_of(tracks, [](const Track<double>& track) {
+        bounded.error().code == ErrorCode::capacity && std::ranges::all_of(tracks, [](const Track& track) {
           return track.path().axis_count() <= static_cast<std::int32_t>(max_trajectory_axes);
         });
     if (!may_grow) throw SolverError(bounded.error());

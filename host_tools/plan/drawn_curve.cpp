@@ -23,7 +23,7 @@ constexpr int max_sweeps = 40;
 std::vector<double> on_twice_as_many(std::vector<double> values, CurveEnds ends = CurveEnds::natural) {
   const std::size_t f = values.size() - 1;
   values.resize(2 * f + 1);
-  refine_control_values<double>(values, f, ends);
+  refine_control_values(values, f, ends);
   return values;
 }
 
@@ -63,7 +63,7 @@ struct Lowest {
   double a = 0, value = 0;
 };
 Lowest lowest_of(const std::vector<double>& values, std::size_t drawn_spans, CurveEnds ends) {
-  Lowest lowest{0, speed_span<double>(values, 0, ends).b0};
+  Lowest lowest{0, speed_span(values, 0, ends).b0};
   const double per_value = static_cast<double>(drawn_spans) / static_cast<double>(values.size() - 1);
   for (std::size_t i = 1; i + 1 < values.size(); ++i) {
     const double phi = (values[i - 1] + 4 * values[i] + values[i + 1]) / 6;

@@ -70,17 +70,17 @@ FittedMotor::FittedMotor(const MotorSource& source)
     : room_(source.trajectory->pieces().size() + usual_passings),
       trajectory_(fitted(room_, 1, [&] { return fit_motor(source, room_.joints(), room_.memory()); })) {}
 
-FittedMotor::FittedMotor(const RollAxis<double>& roll, const Calibration<double>& calibration)
+FittedMotor::FittedMotor(const RollAxis& roll, const Calibration& calibration)
     : room_(usual_passings),
       trajectory_(
           fitted(room_, 1, [&] { return fit_motor(roll, calibration, room_.joints(), room_.memory()); })) {}
 
-SampledTrack::SampledTrack(const Track<double>& track)
+SampledTrack::SampledTrack(const Track& track)
     : joints_(max_joints(track)), sampler_(value_or_throw(TrackSampler::make(track, joints_))) {}
 
 double FittedTrajectory::travel(std::size_t axis) const {
   const std::size_t axes = sampled_->axis_count();
-  std::vector<AxisMotion<double>> samples(axes);
+  std::vector<AxisMotion> samples(axes);
   std::vector<double> travel(axes);
   measure_travel(*sampled_, samples, travel);
   return travel[axis];

@@ -33,7 +33,7 @@ class TrajectoryRoom {
   std::unique_ptr<std::uint32_t[]> buckets_;
   std::vector<TrajectoryBreak> breaks_;
   std::vector<UnboundedSide> unbounded_;
-  std::vector<AxisMotion<double>> samples_;
+  std::vector<AxisMotion> samples_;
   std::vector<double> numbers_;
 };
 
@@ -50,7 +50,7 @@ class TrajectoryFitter {
 /// The joints of a track in memory from the heap.
 class SampledTrack {
  public:
-  explicit SampledTrack(const Track<double>& track);
+  explicit SampledTrack(const Track& track);
   [[nodiscard]] const TrackSampler& operator*() const { return sampler_; }
   [[nodiscard]] const TrackSampler* operator->() const { return &sampler_; }
 
@@ -62,8 +62,7 @@ class SampledTrack {
 /// The trajectory of a whole track. Its memory lives as long as this.
 class FittedTrajectory {
  public:
-  explicit FittedTrajectory(const Track<double>& track)
-      : sampled_(track), trajectory_(fitter_.fit(*sampled_)) {}
+  explicit FittedTrajectory(const Track& track) : sampled_(track), trajectory_(fitter_.fit(*sampled_)) {}
   FittedTrajectory(const FittedTrajectory&) = delete;
   FittedTrajectory& operator=(const FittedTrajectory&) = delete;
 
@@ -101,7 +100,7 @@ class FittedMotor {
  public:
   /// Throws SolverError.
   explicit FittedMotor(const MotorSource& source);
-  FittedMotor(const RollAxis<double>& roll, const Calibration<double>& calibration);
+  FittedMotor(const RollAxis& roll, const Calibration& calibration);
   FittedMotor(const FittedMotor&) = delete;
   FittedMotor& operator=(const FittedMotor&) = delete;
 

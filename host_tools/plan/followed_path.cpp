@@ -19,15 +19,14 @@ constexpr double slow_share = 0.01;
 using Row = Follower::Row;
 
 /// c on t from `begin` to `begin + size`, as a cubic on 0 to 1.
-Cubic<double> cut(const Cubic<double>& c, double begin, double size) {
+Cubic cut(const Cubic& c, double begin, double size) {
   return {c.value(begin), size * c.derivative(begin), size * size * c.second(begin) / 2,
           size * size * size * c.c3};
 }
 
 class Construction {
  public:
-  Construction(const Path<double>& drawn, bool is_smooth, const Follower& follower,
-               const FollowLayout& layout)
+  Construction(const Path& drawn, bool is_smooth, const Follower& follower, const FollowLayout& layout)
       : drawn_(drawn),
         is_smooth_(is_smooth),
         follower_(follower),
@@ -57,9 +56,9 @@ class Construction {
   }
 
   /// The same rows on one part, in the order of `rows`.
-  [[nodiscard]] std::vector<Cubic<double>> stretch(std::size_t segment, std::int16_t part, std::size_t step,
-                                                   const std::vector<std::size_t>& rows) const {
-    std::vector<Cubic<double>> cubics;
+  [[nodiscard]] std::vector<Cubic> stretch(std::size_t segment, std::int16_t part, std::size_t step,
+                                           const std::vector<std::size_t>& rows) const {
+    std::vector<Cubic> cubics;
     cubics.reserve(rows.size());
     for (const std::size_t row : rows) cubics.push_back(cubic(segment, part, step, row));
     return cubics;
@@ -77,7 +76,7 @@ class Construction {
     std::size_t most = 0;
     double largest = -1;
     for (std::size_t row = 0; row < followed_.size(); ++row) {
-      const Cubic<double>& c = followed_[row][step];
+      const Cubic& c = followed_[row][step];
       const double turning = std::fabs(c.c2) + std::fabs(c.c3);
       if (turning > largest) most = row;
       largest = std::max(largest, turning);
@@ -91,10 +90,10 @@ class Construction {
   /// Of a segment on the parameter on which the path is as smooth as it is; 0 where it stays in one place.
   [[nodiscard]] double duration_of(std::size_t segment) const {
     const auto index = static_cast<std::int32_t>(segment);
-    const std::span<const Cubic<double>> here = drawn_.segment(index);
-    const std::span<const Cubic<double>> next = drawn_.segment(index + 1);
+    const std::span<const Cubic> here = drawn_.segment(index);
+    const std::span<const Cubic> next = drawn_.segment(index + 1);
     const bool is_still =
-        std::ranges::all_of(here, [](const Cubic<double>& c) { return c.c1 == 0 && c.c2 == 0 && c.c3 == 0; });
+        std::ranges::all_of(here, [](const Cubic& c) { return c.c1 == 0 && c.c2 == 0 && c.c3 == 0; });
     if (is_still) return 0;
     if (!is_smooth_) return 1;
     double chord = 0;
@@ -104,8 +103,7 @@ class Construction {
     return std::sqrt(chord);
   }
 
-  [[nodiscard]] Cubic<double> cubic(std::size_t segment, std::int16_t part, std::size_t step,
-                                    std::size_t row) const {
+  [[nodiscard]] Cubic cubic(std::size_t segment, std::int16_t part, std::size_t step, std::size_t row) const {
     if (row >= drawn_rows()) return followed_[row - drawn_rows()][step];
     const double size = 1.0 / parts_[segment];
     return cut(drawn_.segment(static_cast<std::int32_t>(segment))[row], part * size, size);
@@ -118,11 +116,11 @@ class Construction {
     slopes_behind_.clear();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       for (std::int16_t part = 0; part < parts_[i]; ++part) {
-        const PathPoint<double> point{static_cast<std::int32_t>(i), static_cast<double>(part) / parts_[i]};
+        const PathPoint point{static_cast<std::int32_t>(i), static_cast<double>(part) / parts_[i]};
         values_.push_back(follower_.at(point));
         if (part == 0) slopes_behind_.push_back(slope_at(point));
       }
-      const PathPoint<double> end{static_cast<std::int32_t>(i), 1};
+      const PathPoint end{static_cast<std::int32_t>(i), 1};
       // The end is the start of the next segment, seen from this one.
       if (i + 1 == parts_.size()) values_.push_back(follower_.at({static_cast<std::int32_t>(i) + 1, 0}));
       slopes_before_.push_back(has_length(i) && follower_.has_slopes ? end_slope(end) : Row{});
@@ -131,19 +129,19 @@ class Construction {
     followed_.assign(rows, {});
     for (std::size_t row = 0; row < rows; ++row) interpolate(row);
   }
-  [[nodiscard]] Row slope_at(const PathPoint<double>& point) const {
+  [[nodiscard]] Row slope_at(const PathPoint& point) const {
     return has_length(static_cast<std::size_t>(point.segment)) && follower_.has_slopes
                ? follower_.slope(point)
                : Row{};
   }
-  [[nodiscard]] Row end_slope(const PathPoint<double>& end) const {
+  [[nodiscard]] Row end_slope(const PathPoint& end) const {
     static_cast<void>(follower_.at(end));
     return follower_.slope(end);
   }
 
   /// One row, in runs of segments that go on smoothly. A segment without length stays where it is.
   void interpolate(std::size_t row) {
-    std::vector<Cubic<double>>& cubics = followed_[row];
+    std::vector<Cubic>& cubics = followed_[row];
     std::size_t first_step = 0;
     SplineRun run;
     std::size_t run_begin = 0;
@@ -152,7 +150,7 @@ class Construction {
     const auto flush = [&](std::size_t end) {
       if (places.empty()) return;
       finish_run(run, row, run_begin, end);
-      const std::vector<Cubic<double>> found = spline_through(run);
+      const std::vector<Cubic> found = spline_through(run);
       for (std::size_t k = 0; k < places.size(); ++k) cubics[places[k]] = found[k];
       run = {};
       places.clear();
@@ -197,15 +195,15 @@ class Construction {
     run.last_slope = -first_slope_of(last, run.steps.back());
   }
 
-  const Path<double>& drawn_;
+  const Path& drawn_;
   bool is_smooth_;
   const Follower& follower_;
   const FollowLayout& layout_;
   std::vector<std::int16_t> parts_;
   std::vector<double> durations_;
-  std::vector<Row> values_;                           // at every place
-  std::vector<Row> slopes_behind_, slopes_before_;    // of every segment, by its t
-  std::vector<std::vector<Cubic<double>>> followed_;  // by row, then step
+  std::vector<Row> values_;                         // at every place
+  std::vector<Row> slopes_behind_, slopes_before_;  // of every segment, by its t
+  std::vector<std::vector<Cubic>> followed_;        // by row, then step
   std::size_t last_with_length_ = 0;
 };
 
@@ -255,7 +253,7 @@ bool is_within(const FollowAccuracy& found, const FollowTolerance& tolerance) {
 
 }  // namespace
 
-FollowedPath followed_path(const Path<double>& drawn, bool is_smooth, const Follower& follower,
+FollowedPath followed_path(const Path& drawn, bool is_smooth, const Follower& follower,
                            const FollowLayout& layout, const Kinematics& kinematics, std::int32_t link,
                            const std::vector<std::size_t>& coordinates, const FollowTolerance& tolerance,
                            const std::function<void(const FollowObstacle&)>& refuse) {

@@ -34,7 +34,7 @@ struct FollowTolerance {
 };
 
 struct FollowedPath {
-  std::vector<Cubic<double>> cubics;  // segment after segment: the axes, then the guides
+  std::vector<Cubic> cubics;  // segment after segment: the axes, then the guides
   std::vector<double> weights;
   std::vector<FrameKnot> knots;
   FollowAccuracy accuracy;
@@ -44,9 +44,9 @@ struct FollowedPath {
 struct Follower {
   using Row = std::vector<double>;
   /// Called at places in the order of the path, again from its start when they are made denser.
-  std::function<Row(const PathPoint<double>&)> at;
+  std::function<Row(const PathPoint&)> at;
   /// Their derivatives by t there, after at().
-  std::function<Row(const PathPoint<double>&)> slope;
+  std::function<Row(const PathPoint&)> slope;
   /// The derivatives of what follows are not known by slope(): it goes on by what is natural to it.
   bool has_slopes = true;
 };
@@ -61,13 +61,13 @@ struct FollowLayout {
 
 /// A stretch on which the bounds do not become small enough.
 struct FollowObstacle {
-  PathPoint<double> where;  // of the drawn path
-  std::size_t row = 0;      // of those that follow, the one that turns most there
+  PathPoint where;      // of the drawn path
+  std::size_t row = 0;  // of those that follow, the one that turns most there
 };
 
 /// `is_smooth`: what is drawn is C2 over centripetal knots, and so is what follows; otherwise it is C1 where
 /// the drawn path is. Calls `refuse`, which throws, where the bounds stay too large.
-FollowedPath followed_path(const Path<double>& drawn, bool is_smooth, const Follower& follower,
+FollowedPath followed_path(const Path& drawn, bool is_smooth, const Follower& follower,
                            const FollowLayout& layout, const Kinematics& kinematics, std::int32_t link,
                            const std::vector<std::size_t>& coordinates, const FollowTolerance& tolerance,
                            const std::function<void(const FollowObstacle&)>& refuse);

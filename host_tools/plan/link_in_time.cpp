@@ -16,7 +16,7 @@ constexpr double step_share = 1e-6;
 
 bool steps_between_ends(const BoundedMove& bounded, std::int32_t frames) {
   return std::ranges::any_of(bounded.steps(), [&](const MoveStep& step) {
-    const AxisPeaks<double>& peaks = bounded.peaks()[step.axis];
+    const AxisPeaks& peaks = bounded.peaks()[step.axis];
     const bool is_inside = step.frame > 0 && step.frame < frames;
     return is_inside && (step.velocity > step_share * peaks.velocity.value ||
                          step.acceleration > step_share * peaks.acceleration.value);
@@ -25,11 +25,11 @@ bool steps_between_ends(const BoundedMove& bounded, std::int32_t frames) {
 
 }  // namespace
 
-TrackBounds bounds_of(const Track<double>& track) {
-  const std::span<const Track<double>> alone(&track, 1);
-  const BoundedMove bounded(value_or_throw(Move<double>::make(alone, {})), alone);
+TrackBounds bounds_of(const Track& track) {
+  const std::span<const Track> alone(&track, 1);
+  const BoundedMove bounded(value_or_throw(Move::make(alone, {})), alone);
   TrackBounds bounds{.peaks = bounded.peaks(), .steps = steps_between_ends(bounded, track.frames())};
-  for (const AxisPeaks<double>& peak : bounds.peaks) {
+  for (const AxisPeaks& peak : bounds.peaks) {
     bounds.steps = bounds.steps || !std::isfinite(peak.jerk.value);
   }
   return bounds;
@@ -49,7 +49,7 @@ LinkInTime::LinkInTime(const Kinematics& kinematics, std::int32_t link, std::vec
       continue;
     }
     const TrackBounds bounds = bounds_of(*by.track);
-    const AxisPeaks<double>& peaks = bounds.peaks[by.axis];
+    const AxisPeaks& peaks = bounds.peaks[by.axis];
     jets[c] = {std::max(std::fabs(peaks.lowest.value), std::fabs(peaks.highest.value)), peaks.velocity.value,
                peaks.acceleration.value, peaks.jerk.value, 0};
     steps_ = steps_ || bounds.steps;
@@ -59,8 +59,8 @@ LinkInTime::LinkInTime(const Kinematics& kinematics, std::int32_t link, std::vec
   max_jerk_ = position[3];
 }
 
-const LinkMotion<double>& LinkInTime::motion(const FrameTime<double>& time) {
-  std::vector<AxisMotion<double>> axes;
+const LinkMotion& LinkInTime::motion(const FrameTime& time) {
+  std::vector<AxisMotion> axes;
   for (std::size_t c = 0; c < driven_.size(); ++c) {
     const DrivenCoordinate& by = driven_[c];
     coordinates_[c] = {by.held, 0, 0};
@@ -73,8 +73,8 @@ const LinkMotion<double>& LinkInTime::motion(const FrameTime<double>& time) {
   return links_[static_cast<std::size_t>(link_)];
 }
 
-MovingPoint LinkInTime::at(const FrameTime<double>& time) {
-  const LinkMotion<double>& found = motion(time);
+MovingPoint LinkInTime::at(const FrameTime& time) {
+  const LinkMotion& found = motion(time);
   return {found.pose.position, found.velocity};
 }
 

@@ -14,7 +14,7 @@ namespace inbetween {
 
 /// What drives a coordinate of the joint tree: an axis of a track, or nothing, and it stays where it is.
 struct DrivenCoordinate {
-  const Track<double>* track = nullptr;
+  const Track* track = nullptr;
   std::size_t axis = 0;  // of the track
   double held = 0;
 };
@@ -22,10 +22,10 @@ struct DrivenCoordinate {
 /// Bounds of velocity, acceleration and jerk of some axes of a track (units and seconds), and whether one of
 /// them steps between the ends of the move.
 struct TrackBounds {
-  std::vector<AxisPeaks<double>> peaks;  // of every axis of the path
+  std::vector<AxisPeaks> peaks;  // of every axis of the path
   bool steps = false;
 };
-TrackBounds bounds_of(const Track<double>& track);
+TrackBounds bounds_of(const Track& track);
 
 /// Refers to the tracks.
 class LinkInTime {
@@ -33,9 +33,9 @@ class LinkInTime {
   /// One of `driven` for every coordinate of the tree.
   LinkInTime(const Kinematics& kinematics, std::int32_t link, std::vector<DrivenCoordinate> driven);
 
-  [[nodiscard]] MovingPoint at(const FrameTime<double>& time);
+  [[nodiscard]] MovingPoint at(const FrameTime& time);
   /// Position, velocity and acceleration, the last two exactly 0 where everything that moves it rests.
-  [[nodiscard]] const LinkMotion<double>& motion(const FrameTime<double>& time);
+  [[nodiscard]] const LinkMotion& motion(const FrameTime& time);
   /// Bounds of its velocity (m/s) and of the third derivative of its place (m/s^3).
   [[nodiscard]] double max_speed() const { return max_speed_; }
   [[nodiscard]] double max_jerk() const { return max_jerk_; }
@@ -46,8 +46,8 @@ class LinkInTime {
   const Kinematics* kinematics_;
   std::int32_t link_;
   std::vector<DrivenCoordinate> driven_;
-  std::vector<CoordinateMotion<double>> coordinates_;
-  std::vector<LinkMotion<double>> links_;
+  std::vector<CoordinateMotion> coordinates_;
+  std::vector<LinkMotion> links_;
   double max_speed_ = 0;
   double max_jerk_ = 0;
   bool steps_ = false;

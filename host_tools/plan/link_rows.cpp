@@ -27,11 +27,11 @@ LinkRows::LinkRows(const Plan& plan, PlanRows rows)
   }
 }
 
-const std::vector<LinkMotion<double>>& LinkRows::at(std::int64_t row) {
+const std::vector<LinkMotion>& LinkRows::at(std::int64_t row) {
   if (row_ == row) return links_;
   for (std::size_t a = 0; a < columns_.size(); ++a) {
     if (!columns_[a]) continue;
-    const AxisMotion<double> motion = columns_[a]->motion(row);
+    const AxisMotion motion = columns_[a]->motion(row);
     coordinates_[a] = {columns_[a]->position(row), motion.velocity, motion.acceleration};
   }
   refuse_unplaced(plan_, plan_.kinematics()->tree().motion(coordinates_, links_));
@@ -39,14 +39,14 @@ const std::vector<LinkMotion<double>>& LinkRows::at(std::int64_t row) {
   return links_;
 }
 
-std::vector<Pose<double>> link_poses(const Plan& plan, const FrameTime<double>& when) {
+std::vector<Pose> link_poses(const Plan& plan, const FrameTime& when) {
   std::vector<double> coordinates(plan.axes().size());
   for (std::size_t a = 0; a < coordinates.size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
     if (!axis.track) continue;
     coordinates[a] = plan.motion().trajectories()[*axis.track].motion_of(axis.track_axis, when).position;
   }
-  std::vector<Pose<double>> poses(plan.kinematics()->links().size());
+  std::vector<Pose> poses(plan.kinematics()->links().size());
   refuse_unplaced(plan, plan.kinematics()->tree().poses(coordinates, poses));
   return poses;
 }

@@ -18,18 +18,18 @@ class LinkRows {
   [[nodiscard]] const TimeLine& line() const { return line_; }
   /// The motion of every link of the tree, in metres and seconds. Links that hang on an axis in no track are
   /// not to be used: it counts as 0. Throws InputError where a joint is too far from its zero to be computed.
-  const std::vector<LinkMotion<double>>& at(std::int64_t row);
+  const std::vector<LinkMotion>& at(std::int64_t row);
 
  private:
   const Plan& plan_;
   TimeLine line_;
   std::vector<std::optional<AxisColumn>> columns_;  // of the rig's axes
-  std::vector<CoordinateMotion<double>> coordinates_;
-  std::vector<LinkMotion<double>> links_;
+  std::vector<CoordinateMotion> coordinates_;
+  std::vector<LinkMotion> links_;
   std::optional<std::int64_t> row_;  // that links_ are of
 };
 
 /// The poses of all links at a moment of the frames 0..N. Otherwise as LinkRows::at.
-std::vector<Pose<double>> link_poses(const Plan& plan, const FrameTime<double>& when);
+std::vector<Pose> link_poses(const Plan& plan, const FrameTime& when);
 
 }  // namespace inbetween

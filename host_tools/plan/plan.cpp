@@ -24,11 +24,11 @@ constexpr double loop_rounding = 1e-7;
 struct TrackNumbers {
   std::vector<double> keys;
   std::vector<double> weights;
-  std::vector<KeyShape<double>> shapes;
+  std::vector<KeyShape> shapes;
   std::vector<KeyLock> locks;
   std::vector<std::int32_t> key_frames;
   std::vector<double> speed;
-  TrackSpec<double> spec;
+  TrackSpec spec;
 
   TrackNumbers(const MoveTrack& track, const MoveFile& move)
       : weights(track.space ? space_weights(*track.space) : track.weights) {
@@ -209,20 +209,19 @@ void refuse_open_loop(const MoveTrack& track, const FollowedPath& path) {
 }
 
 /// What is played of a track whose distance is that of a tip.
-FollowedPath follow(const MoveTrack& track, const TrackSpec<double>& spec, const RigFile& rig,
+FollowedPath follow(const MoveTrack& track, const TrackSpec& spec, const RigFile& rig,
                     const Kinematics& kinematics) {
   if (track.space) {
-    const SolvedTrack<double> drawn(spec, Solver::closed_form);
+    const SolvedTrack drawn(spec, Solver::closed_form);
     return axes_in_space(track, drawn.track(), kinematics, rig);
   }
-  const PathOnHeap<double> drawn(spec.path);
+  const PathOnHeap drawn(spec.path);
   return tip_of_axes(track, drawn.path(), kinematics, rig);
 }
 
-SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
-                                const std::optional<RigFile>& rig, const PlanOptions& options,
-                                const SolvedTrack<double>* same_keys,
-                                std::optional<FollowAccuracy>& accuracy) {
+SolvedTrack solve_track(const MoveTrack& track, const MoveFile& move, const std::optional<RigFile>& rig,
+                        const PlanOptions& options, const SolvedTrack* same_keys,
+                        std::optional<FollowAccuracy>& accuracy) {
   TrackNumbers numbers(track, move);
   try {
     std::optional<FollowedPath> followed;
@@ -230,16 +229,16 @@ SolvedTrack<double> solve_track(const MoveTrack& track, const MoveFile& move,
       refuse_curves_in_space(track);
       followed = follow(track, numbers.spec, *rig, *options.kinematics);
       accuracy = followed->accuracy;
-      numbers.spec.cubics = CubicPathSpec<double>{.spline = track.spline,
-                                                  .closed = track.closed && track.keys.size() > 1,
-                                                  .axis_count = static_cast<std::int32_t>(track.axes.size()),
-                                                  .key_count = static_cast<std::int32_t>(track.keys.size()),
-                                                  .cubics = followed->cubics,
-                                                  .weights = followed->weights,
-                                                  .knots = followed->knots};
+      numbers.spec.cubics = CubicPathSpec{.spline = track.spline,
+                                          .closed = track.closed && track.keys.size() > 1,
+                                          .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                                          .key_count = static_cast<std::int32_t>(track.keys.size()),
+                                          .cubics = followed->cubics,
+                                          .weights = followed->weights,
+                                          .knots = followed->knots};
       refuse_open_loop(track, *followed);
     }
-    SolvedTrack<double> solved(numbers.spec, options.solver, {}, same_keys);
+    SolvedTrack solved(numbers.spec, options.solver, {}, same_keys);
     if (same_keys == nullptr) value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
   } catch (const SolverError& refused) {
@@ -252,9 +251,9 @@ bool looks_at_link(const MoveTrack& track) {
   return track.space && track.space->aim_node;
 }
 
-SolvedTrack<double> solve_looking(const MoveTrack& track, const MoveFile& move, const RigFile& rig,
-                                  const PlanOptions& options, const std::vector<DrivenCoordinate>& driven,
-                                  std::optional<FollowAccuracy>& accuracy) {
+SolvedTrack solve_looking(const MoveTrack& track, const MoveFile& move, const RigFile& rig,
+                          const PlanOptions& options, const std::vector<DrivenCoordinate>& driven,
+                          std::optional<FollowAccuracy>& accuracy) {
   const TrackNumbers numbers(track, move);
   try {
     refuse_curves_in_space(track);
@@ -265,22 +264,22 @@ SolvedTrack<double> solve_looking(const MoveTrack& track, const MoveFile& move, 
                       "form; leave out closed and --solver",
                       in_quotes(*track.space->aim_node)));
     }
-    const SolvedTrack<double> drawn(numbers.spec, Solver::closed_form);
+    const SolvedTrack drawn(numbers.spec, Solver::closed_form);
     const TrackedPath tracked = axes_looking_at(track, drawn.track(), *options.kinematics, rig, driven);
     accuracy = tracked.path.accuracy;
-    TrackSpec<double> spec;
-    spec.cubics = CubicPathSpec<double>{.spline = track.spline,
-                                        .closed = false,
-                                        .axis_count = static_cast<std::int32_t>(track.axes.size()),
-                                        .key_count = static_cast<std::int32_t>(track.keys.size()),
-                                        .cubics = tracked.path.cubics,
-                                        .weights = tracked.path.weights,
-                                        .knots = tracked.path.knots};
+    TrackSpec spec;
+    spec.cubics = CubicPathSpec{.spline = track.spline,
+                                .closed = false,
+                                .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                                .key_count = static_cast<std::int32_t>(track.keys.size()),
+                                .cubics = tracked.path.cubics,
+                                .weights = tracked.path.weights,
+                                .knots = tracked.path.knots};
     spec.key_frames = tracked.key_frames;
     spec.kinetic = Kinetic::linear;
     spec.frames = move.frames;
     spec.fps = move.fps.rate;
-    SolvedTrack<double> solved(spec, Solver::closed_form);
+    SolvedTrack solved(spec, Solver::closed_form);
     value_or_throw(check_invariants(solved.track(), solved.table()));
     return solved;
   } catch (const SolverError& refused) {
@@ -342,8 +341,7 @@ std::vector<AxisInMove> Plan::axes_in_move() const {
   return axes;
 }
 
-std::vector<DrivenCoordinate> Plan::driven_by(
-    const std::vector<std::optional<SolvedTrack<double>>>& solved) const {
+std::vector<DrivenCoordinate> Plan::driven_by(const std::vector<std::optional<SolvedTrack>>& solved) const {
   std::vector<DrivenCoordinate> driven(axes_.size());
   const std::vector<AxisInMove> in_move = axes_in_move();
   for (std::size_t a = 0; a < axes_.size(); ++a) {
@@ -493,10 +491,10 @@ std::string Plan::length_unit(std::size_t track) const {
 
 void Plan::solve(const PlanOptions& options, const Plan* other) {
   accuracies_.resize(move_.tracks.size());
-  std::vector<std::optional<SolvedTrack<double>>> solved(move_.tracks.size());
+  std::vector<std::optional<SolvedTrack>> solved(move_.tracks.size());
   for (std::size_t t = 0; t < solved.size(); ++t) {
     if (looks_at_link(move_.tracks[t])) continue;
-    const SolvedTrack<double>* same_keys = other != nullptr ? &other->tracks_[t] : nullptr;
+    const SolvedTrack* same_keys = other != nullptr ? &other->tracks_[t] : nullptr;
     solved[t].emplace(solve_track(move_.tracks[t], move_, rig_, options, same_keys, accuracies_[t]));
   }
   const std::vector<DrivenCoordinate> driven = driven_by(solved);
@@ -504,11 +502,11 @@ void Plan::solve(const PlanOptions& options, const Plan* other) {
     if (solved[t]) continue;
     solved[t].emplace(solve_looking(move_.tracks[t], move_, *rig_, options, driven, accuracies_[t]));
   }
-  for (std::optional<SolvedTrack<double>>& track : solved) tracks_.push_back(std::move(*track));
+  for (std::optional<SolvedTrack>& track : solved) tracks_.push_back(std::move(*track));
 }
 
 void Plan::put_together() {
-  for (const SolvedTrack<double>& solved : tracks_) track_views_.push_back(solved.track());
+  for (const SolvedTrack& solved : tracks_) track_views_.push_back(solved.track());
   if (rig_) {
     std::size_t moving = 0;
     for (const MoveTrack& track : move_.tracks) moving += track.axes.size();
@@ -517,8 +515,7 @@ void Plan::put_together() {
         is_whole() ? std::span<const Trajectory>() : motion_->trajectories(track_views_);
     rolls_ = plan_rolls(track_views_, fitted, limits_, part_);
   }
-  played_ = value_or_throw(
-      Move<double>::make(track_views_, {.before = rolls_.before, .after = rolls_.after}, part_));
+  played_ = value_or_throw(Move::make(track_views_, {.before = rolls_.before, .after = rolls_.after}, part_));
 }
 
 bool Plan::is_moving(std::size_t track, RollEnd end) const {
@@ -527,7 +524,7 @@ bool Plan::is_moving(std::size_t track, RollEnd end) const {
   if (frame == (end == RollEnd::before ? 0 : move_.frames)) {
     return inbetween::is_moving(track_views_[track], end);
   }
-  std::vector<AxisMotion<double>> joints(move_.tracks[track].axes.size());
+  std::vector<AxisMotion> joints(move_.tracks[track].axes.size());
   return joints_of_part(std::span(track_views_).subspan(track, 1),
                         motion_->trajectories(track_views_).subspan(track, 1), part_, end, joints);
 }

@@ -56,7 +56,7 @@ class Plan {
   /// The move, the positions of its keys settled (key_positions.hpp).
   [[nodiscard]] const MoveFile& move() const { return move_; }
   [[nodiscard]] const std::optional<RigFile>& rig() const { return rig_; }
-  [[nodiscard]] const std::vector<SolvedTrack<double>>& tracks() const { return tracks_; }
+  [[nodiscard]] const std::vector<SolvedTrack>& tracks() const { return tracks_; }
   [[nodiscard]] const std::vector<PlanAxis>& axes() const { return axes_; }
   [[nodiscard]] const std::vector<Warning>& warnings() const { return warnings_; }
   /// The first key of each axis that lies outside its range on the rig, which `check` refuses.
@@ -66,16 +66,16 @@ class Plan {
   [[nodiscard]] bool is_whole() const { return part_ == WholeFrames{0, move_.frames}; }
   /// These frames on their time line, the axes track after track. On a rig it has a pre-roll where it starts
   /// moving and a post-roll where it ends moving, unless there is an obstacle.
-  [[nodiscard]] const Move<double>& played() const { return *played_; }
+  [[nodiscard]] const Move& played() const { return *played_; }
   /// The whole tracks(), one after another.
-  [[nodiscard]] std::span<const Track<double>> track_views() const { return track_views_; }
+  [[nodiscard]] std::span<const Track> track_views() const { return track_views_; }
   /// What plays of them. The first call fits the trajectories: about 64 bytes for each piece and axis, and
   /// 3 to 16 pieces for each key. Threads may call it at once.
   [[nodiscard]] const PlayedMotion& motion() const;
   /// The motors of motion(): of every axis of played() with a calibration on the rig, to which they refer.
   [[nodiscard]] std::vector<CalibratedMotor> calibrated_motors() const;
   /// The limits of the axes of played(); empty without a rig.
-  [[nodiscard]] const std::vector<AxisLimits<double>>& limits() const { return limits_; }
+  [[nodiscard]] const std::vector<AxisLimits>& limits() const { return limits_; }
   [[nodiscard]] const std::vector<RollObstacle>& roll_obstacles() const { return rolls_.obstacles; }
   /// Whether a track moves at an end of what is played, so that a roll joins it there.
   [[nodiscard]] bool is_moving(std::size_t track, RollEnd end) const;
@@ -111,19 +111,19 @@ class Plan {
   [[nodiscard]] std::vector<AxisInMove> axes_in_move() const;
   /// What moves each axis of the rig, by tracks that are solved.
   [[nodiscard]] std::vector<DrivenCoordinate> driven_by(
-      const std::vector<std::optional<SolvedTrack<double>>>& solved) const;
+      const std::vector<std::optional<SolvedTrack>>& solved) const;
 
   MoveFile move_;
   WholeFrames part_;
   std::optional<RigFile> rig_;
-  std::vector<SolvedTrack<double>> tracks_;
+  std::vector<SolvedTrack> tracks_;
   std::vector<std::optional<FollowAccuracy>> accuracies_;  // of tracks_
   std::vector<PlanAxis> axes_;
   std::vector<Warning> warnings_;
-  std::vector<Track<double>> track_views_;  // of tracks_, one after another
-  std::vector<AxisLimits<double>> limits_;
+  std::vector<Track> track_views_;  // of tracks_, one after another
+  std::vector<AxisLimits> limits_;
   PlannedRolls rolls_;
-  std::optional<Move<double>> played_;
+  std::optional<Move> played_;
   std::unique_ptr<PlanMotion> motion_ = std::make_unique<PlanMotion>();
   std::shared_ptr<const Kinematics> kinematics_;
   std::vector<Tip> tips_;

@@ -4,9 +4,9 @@
 
 namespace inbetween {
 
-std::span<const Trajectory> PlanMotion::trajectories(std::span<const Track<double>> tracks) {
+std::span<const Trajectory> PlanMotion::trajectories(std::span<const Track> tracks) {
   std::call_once(is_fitted_, [&] {
-    for (const Track<double>& track : tracks) {
+    for (const Track& track : tracks) {
       fitted_.push_back(std::make_unique<FittedTrajectory>(track));
       trajectories_.push_back(**fitted_.back());
     }
@@ -14,7 +14,7 @@ std::span<const Trajectory> PlanMotion::trajectories(std::span<const Track<doubl
   return trajectories_;
 }
 
-void PlanMotion::fit_motor_of(const CalibratedMotor& motor, const Move<double>& move) {
+void PlanMotion::fit_motor_of(const CalibratedMotor& motor, const Move& move) {
   const auto keep = [&](std::unique_ptr<FittedMotor> fitted) {
     fitted_motors_.push_back(std::move(fitted));
     return &**fitted_motors_.back();
@@ -24,7 +24,7 @@ void PlanMotion::fit_motor_of(const CalibratedMotor& motor, const Move<double>& 
   for (; axis >= trajectories_[track].axis_count(); ++track) axis -= trajectories_[track].axis_count();
   const MotorSource source{&trajectories_[track], axis, motor.calibration, fitted_[track]->travel(axis)};
   PlayedMotor played{.axis = motor.axis, .whole = keep(std::make_unique<FittedMotor>(source))};
-  const auto on = [&](std::span<const RollAxis<double>> rolls) -> const Trajectory* {
+  const auto on = [&](std::span<const RollAxis> rolls) -> const Trajectory* {
     if (rolls.empty()) return nullptr;
     return keep(std::make_unique<FittedMotor>(rolls[motor.axis], *motor.calibration));
   };
@@ -33,7 +33,7 @@ void PlanMotion::fit_motor_of(const CalibratedMotor& motor, const Move<double>& 
   motors_.push_back(played);
 }
 
-const PlayedMotion& PlanMotion::of(const Move<double>& move, std::span<const Track<double>> tracks,
+const PlayedMotion& PlanMotion::of(const Move& move, std::span<const Track> tracks,
                                    std::span<const CalibratedMotor> motors) {
   std::call_once(is_made_, [&] {
     trajectories(tracks);

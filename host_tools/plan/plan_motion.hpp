@@ -16,13 +16,13 @@ namespace inbetween {
 class PlanMotion {
  public:
   /// Of whole tracks. Throws SolverError.
-  std::span<const Trajectory> trajectories(std::span<const Track<double>> tracks);
+  std::span<const Trajectory> trajectories(std::span<const Track> tracks);
   /// With motors that follow axes of the move. Throws SolverError.
-  const PlayedMotion& of(const Move<double>& move, std::span<const Track<double>> tracks,
+  const PlayedMotion& of(const Move& move, std::span<const Track> tracks,
                          std::span<const CalibratedMotor> motors);
 
  private:
-  void fit_motor_of(const CalibratedMotor& motor, const Move<double>& move);
+  void fit_motor_of(const CalibratedMotor& motor, const Move& move);
 
   std::once_flag is_fitted_, is_made_;
   std::vector<std::unique_ptr<FittedTrajectory>> fitted_;

@@ -90,21 +90,21 @@ std::vector<const PlanAxis*> axes_that_move(const Plan& plan) {
   return axes;
 }
 
-void write_segments(const Path<double>& path, JsonWriter& json) {
+void write_segments(const Path& path, JsonWriter& json) {
   json.objects("segments", path.segment_count(), [&](std::int32_t i) {
     if (!path.knots().empty()) json.member("s", path.parameter({i, 0}));
     json.array("coefficients", [&] {
-      for (const Cubic<double>& cubic : path.segment(i).first(static_cast<std::size_t>(path.axis_count()))) {
+      for (const Cubic& cubic : path.segment(i).first(static_cast<std::size_t>(path.axis_count()))) {
         json.value(std::array{cubic.c0, cubic.c1, cubic.c2, cubic.c3});
       }
     });
   });
 }
 
-void write_table(const SolvedTrack<double>& solved, const WholeFrames& part, JsonWriter& json) {
+void write_table(const SolvedTrack& solved, const WholeFrames& part, JsonWriter& json) {
   json.objects("table", part.last - part.first + 1, [&](std::int32_t row_of_part) {
     const std::int32_t frame = part.first + row_of_part;
-    const FrameRow<double> row = frame_row(solved.track(), solved.table(), frame);
+    const FrameRow row = frame_row(solved.track(), solved.table(), frame);
     json.member("frame", frame);
     json.member("alpha", row.alpha);
     json.member("s", solved.track().path().parameter(row.point));  // one number, for people
@@ -115,7 +115,7 @@ void write_table(const SolvedTrack<double>& solved, const WholeFrames& part, Jso
 }
 
 /// K is null if no single K holds for the whole move.
-void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, JsonWriter& json) {
+void write_speed(const MoveTrack& track, const SolvedTrack& solved, JsonWriter& json) {
   const bool one_constant = solved.track().has_profile() && solved.track().portions().empty();
   json.member("K", one_constant ? std::optional(solved.table().provenance().constant) : std::nullopt);
   json.member("f", solved.track().profile().span_count());
@@ -125,15 +125,15 @@ void write_speed(const MoveTrack& track, const SolvedTrack<double>& solved, Json
   json.member("periodic", track.periodic);
   if (solved.track().portions().empty()) return;
   json.line();
-  json.objects("portions", solved.track().portions(), [&](const Portion<double>& portion) {
+  json.objects("portions", solved.track().portions(), [&](const Portion& portion) {
     json.member("frame", portion.begin_frame);
     json.member("K", portion.constant);
   });
 }
 
-void write_track(const MoveTrack& track, const SolvedTrack<double>& solved, const WholeFrames& part,
+void write_track(const MoveTrack& track, const SolvedTrack& solved, const WholeFrames& part,
                  JsonWriter& json) {
-  const Provenance<double>& provenance = solved.table().provenance();
+  const Provenance& provenance = solved.table().provenance();
   json.member("axes", track.axes);
   json.member("solver", provenance.solver == Solver::closed_form ? "closed-form" : "runge-kutta");
   json.member("speed_error", provenance.speed_error);
@@ -199,12 +199,12 @@ void write_tip(const Tip& tip, LinkRows& links, const Rows& rows, JsonWriter& js
   const auto write_column = [&](const char* name, auto vector_of) {
     json.array(name, [&] {
       for (std::int64_t row = rows.first; row <= rows.last; ++row) {
-        const Vector3<double> v = vector_of(links.at(row)[static_cast<std::size_t>(tip.link)]);
+        const Vector3 v = vector_of(links.at(row)[static_cast<std::size_t>(tip.link)]);
         json.value(std::array{v.x, v.y, v.z});
       }
     });
   };
-  using Motion = LinkMotion<double>;
+  using Motion = LinkMotion;
   write_column("position", [](const Motion& link) { return link.pose.position; });
   write_column("velocity", [](const Motion& link) { return link.velocity; });
   write_column("acceleration", [](const Motion& link) { return link.acceleration; });
@@ -275,7 +275,7 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
       fmt::format_to(std::back_inserter(text), ",{}", column.position(row));
     }
     for (const Tip& tip : plan.tips()) {
-      const Vector3<double>& at = links->at(row)[static_cast<std::size_t>(tip.link)].pose.position;
+      const Vector3& at = links->at(row)[static_cast<std::size_t>(tip.link)].pose.position;
       fmt::format_to(std::back_inserter(text), ",{},{},{}", at.x, at.y, at.z);
     }
     text += '\n';
@@ -289,7 +289,7 @@ void write_plan_csv(const Plan& plan, PlanRows rows, std::FILE* file) {
 
 namespace {
 
-std::string resting_places(const Plan& plan, std::span<const RollAxis<double>> roll) {
+std::string resting_places(const Plan& plan, std::span<const RollAxis> roll) {
   std::string words;
   for (const PlanAxis* axis : axes_that_move(plan)) {
     const double rest = roll[axis->move_axis].rest_position();
@@ -300,8 +300,7 @@ std::string resting_places(const Plan& plan, std::span<const RollAxis<double>> r
 
 void print_roll(const Plan& plan, RollEnd end, std::FILE* out) {
   const bool before = end == RollEnd::before;
-  const std::span<const RollAxis<double>> roll =
-      before ? plan.played().rolls().before : plan.played().rolls().after;
+  const std::span<const RollAxis> roll = before ? plan.played().rolls().before : plan.played().rolls().after;
   if (!roll.empty()) {
     const std::int32_t frames = roll.front().span().frames;
     fmt::print(out, "  {}: {}, {} rest at {}\n", before ? "pre-roll" : "post-roll", counted(frames, "frame"),

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/plan/frame_of_distance.hpp"
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 #include "inbetween/base/bisection.hpp"
@@ -22,16 +21,8 @@ constexpr std::size_t samples_per_span = 32;
 constexpr int smooth_samples = 1200;
 constexpr int max_samples_per_frame = 32;
 
-/// The frame at which a segment begins.
-double frame_of_segment(const Track<double>& track, std::int32_t segment) {
-  const auto intervals = track.key_intervals();
-  if (intervals.empty()) return frame_of_distance(track, track.arc_length().segment_begin(segment));
-  const auto index = static_cast<std::size_t>(segment);
-  return index < intervals.size() ? intervals[index].begin() : track.frames();
-}
-
-void sample_path(const Track<double>& track, PlotTrack& plot) {
-  const Path<double>& path = track.path();
+void sample_path(const Track& track, PlotTrack& plot) {
+  const Path& path = track.path();
   const auto axes = static_cast<std::size_t>(path.axis_count());
   plot.path.resize(axes);
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
@@ -43,7 +34,7 @@ void sample_path(const Track<double>& track, PlotTrack& plot) {
   for (std::size_t d = 0; d < axes; ++d) plot.path[d].push_back(path.segment(path.segment_count())[d].c0);
 }
 
-void sample_curve(const SpeedProfile<double>& profile, PlotTrack& plot) {
+void sample_curve(const SpeedProfile& profile, PlotTrack& plot) {
   const std::size_t count = samples_per_span * static_cast<std::size_t>(profile.span_count());
   for (std::size_t i = 0; i <= count; ++i) {
     plot.curve.push_back(profile.value(static_cast<double>(i) / samples_per_span));
@@ -55,7 +46,7 @@ int samples_per_frame(std::int32_t frames) {
   return std::clamp(smooth_samples / frames, 1, max_samples_per_frame);
 }
 
-void sample_speed(const Track<double>& track, PlotTrack& plot) {
+void sample_speed(const Track& track, PlotTrack& plot) {
   const int samples = samples_per_frame(track.frames());
   for (std::int32_t frame = 0; frame < track.frames(); ++frame) {
     for (int i = 0; i < samples; ++i) {
@@ -66,7 +57,7 @@ void sample_speed(const Track<double>& track, PlotTrack& plot) {
 }
 
 /// Where the speed is 0, a distance is passed at many moments: a locked key is on its own frame.
-void take_holds(const KeyTiming<double>& timing, std::int32_t frames, PlotTrack& plot) {
+void take_holds(const KeyTiming& timing, std::int32_t frames, PlotTrack& plot) {
   plot.key_holds.assign(plot.key_frames.size(), 0);
   for (const KeyLock& lock : timing.locks) {
     if (lock.key < 0) continue;  // a turn of the path, which is no key
@@ -78,8 +69,8 @@ void take_holds(const KeyTiming<double>& timing, std::int32_t frames, PlotTrack&
 /// The data of a track, without the indexes of its axes in the plot.
 PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   const MoveTrack& written = plan.move().tracks[index];
-  const SolvedTrack<double>& solved = plan.tracks()[index];
-  const Track<double>& track = solved.track();
+  const SolvedTrack& solved = plan.tracks()[index];
+  const Track& track = solved.track();
   const auto axes = static_cast<std::size_t>(track.path().axis_count());
   PlotTrack plot;
   sample_path(track, plot);
@@ -91,7 +82,7 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   }
   plot.tangents.resize(axes);
   for (std::int32_t frame = 0; frame <= track.frames(); ++frame) {
-    const PathPoint<double>& point = solved.table().point(frame);
+    const PathPoint& point = solved.table().point(frame);
     const auto cubics = track.path().segment(point.segment);
     for (std::size_t d = 0; d < axes; ++d) plot.tangents[d].push_back(cubics[d].derivative(point.t));
     plot.speed.push_back(frame_row(track, solved.table(), frame).speed);
@@ -110,7 +101,7 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   return plot;
 }
 
-PlotPlace place_in_plot(const Vector3<double>& position) {
+PlotPlace place_in_plot(const Vector3& position) {
   return {position.x, position.y, position.z};
 }
 
@@ -123,7 +114,7 @@ std::set<double> frames_of_keys(const PlotMove& plot) {
 
 PlotPosture posture_at(const Plan& plan, const Tip& tip, double frame) {
   const auto whole = static_cast<std::int32_t>(frame);
-  const std::vector<Pose<double>> poses = link_poses(plan, {whole, frame - whole});
+  const std::vector<Pose> poses = link_poses(plan, {whole, frame - whole});
   PlotPosture posture{
       .frame = frame, .tip = place_in_plot(poses[static_cast<std::size_t>(tip.link)].position), .bones = {}};
   const auto joints = plan.kinematics()->tree().joints();
@@ -176,7 +167,7 @@ PlotMove plot_of(const Plan& plan) {
     PlotAxis drawn{.name = axis.name, .unit = unit_of(axis), .positions = {}, .minimum = {}, .maximum = {}};
     const AxisColumn column(plan, axis, PlanRows::frame);
     for (std::int64_t frame = column.line().first(); frame <= column.line().last(); ++frame) {
-      const FrameTime<double> when = column.line().at(frame);
+      const FrameTime when = column.line().at(frame);
       for (int i = 0; i < (frame < column.line().last() ? samples : 1); ++i) {
         drawn.line.push_back(column.position({when.frame, static_cast<double>(i) / samples}));
         if (i == 0) drawn.positions.push_back(drawn.line.back());

@@ -9,7 +9,7 @@ std::int64_t TimeLine::last() const {
   return rows_ == PlanRows::tick ? move_.last_tick_at(rate_hz_) : move_.last_frame();
 }
 
-FrameTime<double> TimeLine::at(std::int64_t row) const {
+FrameTime TimeLine::at(std::int64_t row) const {
   if (rows_ == PlanRows::frame) return {static_cast<std::int32_t>(row), 0};
   return move_.time_of_tick(row, rate_hz_);
 }
@@ -27,11 +27,11 @@ AxisColumn::AxisColumn(const Plan& plan, const PlanAxis& axis, PlanRows rows)
       axis_(axis.track_axis),
       move_axis_(axis.move_axis) {}
 
-double AxisColumn::position(const FrameTime<double>& when) const {
-  const Move<double>& move = line_.move();
+double AxisColumn::position(const FrameTime& when) const {
+  const Move& move = line_.move();
   const auto rolls = move.rolls_at(when);
   if (!rolls.empty()) return rolls[move_axis_].motion(when).position;
-  const FrameTime<double> within = move.within_part(when);
+  const FrameTime within = move.within_part(when);
   const bool is_in_table = solved_.table().provenance().solver == Solver::runge_kutta &&
                            rows_ == PlanRows::frame && within.fraction == 0;
   if (!is_in_table) return trajectory_.motion_of(axis_, within).position;
@@ -39,8 +39,8 @@ double AxisColumn::position(const FrameTime<double>& when) const {
                                          static_cast<std::int32_t>(axis_));
 }
 
-AxisMotion<double> AxisColumn::motion(std::int64_t row) const {
-  const FrameTime<double> when = line_.at(row);
+AxisMotion AxisColumn::motion(std::int64_t row) const {
+  const FrameTime when = line_.at(row);
   const auto rolls = line_.move().rolls_at(when);
   if (!rolls.empty()) return rolls[move_axis_].motion(when);
   return trajectory_.motion_of(axis_, line_.move().within_part(when));

@@ -23,13 +23,13 @@ class TimeLine {
 
   [[nodiscard]] std::int64_t first() const { return rows_ == PlanRows::tick ? 0 : move_.first_frame(); }
   [[nodiscard]] std::int64_t last() const;
-  [[nodiscard]] FrameTime<double> at(std::int64_t row) const;
-  [[nodiscard]] const Move<double>& move() const { return move_; }
+  [[nodiscard]] FrameTime at(std::int64_t row) const;
+  [[nodiscard]] const Move& move() const { return move_; }
   /// Counts from the beginning of the move, or of its pre-roll if the rows are ticks.
   [[nodiscard]] double seconds(std::int64_t row) const;
 
  private:
-  const Move<double>& move_;
+  const Move& move_;
   PlanRows rows_;
   std::int32_t rate_hz_;
 };
@@ -43,14 +43,14 @@ class AxisColumn {
   [[nodiscard]] const TimeLine& line() const { return line_; }
   [[nodiscard]] double position(std::int64_t row) const { return position(line_.at(row)); }
   /// Between the first row and the last.
-  [[nodiscard]] double position(const FrameTime<double>& when) const;
+  [[nodiscard]] double position(const FrameTime& when) const;
   /// Velocity and acceleration are those of what plays.
-  [[nodiscard]] AxisMotion<double> motion(std::int64_t row) const;
+  [[nodiscard]] AxisMotion motion(std::int64_t row) const;
 
  private:
   TimeLine line_;
   PlanRows rows_;
-  const SolvedTrack<double>& solved_;
+  const SolvedTrack& solved_;
   const Trajectory& trajectory_;
   std::size_t axis_;
   std::size_t move_axis_;

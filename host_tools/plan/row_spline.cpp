@@ -87,9 +87,9 @@ std::vector<double> periodic_moments(const SplineRun& run) {
 
 }  // namespace
 
-std::vector<Cubic<double>> spline_through(const SplineRun& run) {
+std::vector<Cubic> spline_through(const SplineRun& run) {
   const std::vector<double> moments = run.periodic ? periodic_moments(run) : clamped_moments(run);
-  std::vector<Cubic<double>> cubics;
+  std::vector<Cubic> cubics;
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
     const double square = run.steps[k] * run.steps[k];
     const double way = run.values[k + 1] - run.values[k];

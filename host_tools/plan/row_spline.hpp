@@ -20,7 +20,7 @@ struct SplineRun {
 
 /// The C2 cubic spline (de Boor, A Practical Guide to Splines, ch. IV): a cubic for each step on t from 0
 /// to 1. O(steps).
-std::vector<Cubic<double>> spline_through(const SplineRun& run);
+std::vector<Cubic> spline_through(const SplineRun& run);
 
 /// The derivative at the first of five values with equal steps between, exact for polynomials of degree 4.
 double first_slope_of(std::span<const double, 5> values, double step);

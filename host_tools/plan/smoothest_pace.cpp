@@ -124,7 +124,7 @@ class PaceProgram {
     }
     for (std::size_t k = 1; k < spec_.key_frames.size(); ++k) {
       if (spec_.key_distances[k] > spec_.key_distances[k - 1]) continue;
-      const IntegralRow<double> row(a_of_key(k - 1), a_of_key(k), f_);
+      const IntegralRow row(a_of_key(k - 1), a_of_key(k), f_);
       for (std::int32_t i = row.first(); i <= row.last(); ++i) {
         if (row.weight(i) > 0) is_zero_[index(i)] = 1;
       }
@@ -138,7 +138,7 @@ class PaceProgram {
       if (!(spec_.key_distances[k] > spec_.key_distances[k - 1])) continue;
       keys_.push_back(k);
       targets_.push_back(spec_.key_distances[k] / length * f_);
-      const IntegralRow<double> row(0, a_of_key(k), f_);
+      const IntegralRow row(0, a_of_key(k), f_);
       // Of the values far to the left the whole integral counts: their running sum.
       std::int32_t first = std::max<std::int32_t>(static_cast<std::int32_t>(a_of_key(k)) - 1, 0);
       if (static_cast<std::int32_t>(a_of_key(k)) >= f_ - 2) first = std::max(f_ - 4, 0);
@@ -322,7 +322,7 @@ class PaceProgram {
 
   const PaceSpec& spec_;
   std::int32_t f_;
-  IntegralRow<double> whole_;
+  IntegralRow whole_;
   std::vector<std::uint8_t> is_zero_;  ///< whether a control value is 0
   std::vector<std::int32_t> free_;     ///< the control values that may be above 0
   std::vector<std::size_t> before_;    ///< of each control value, how many of them stand before it

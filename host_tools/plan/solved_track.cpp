@@ -16,8 +16,7 @@ constexpr std::size_t usual_pieces_per_segment = 24;
 constexpr std::size_t max_segments_between_keys = 4;
 
 /// Whether the frames of the keys are the knots of the path.
-template <Precise Real>
-bool is_path_over_frames(const TrackSpec<Real>& spec) {
+bool is_path_over_frames(const TrackSpec& spec) {
   return !spec.key_frames.empty() && !spec.pace && spec.kinetic == Kinetic::curves;
 }
 
@@ -26,42 +25,38 @@ bool is_path_over_frames(const TrackSpec<Real>& spec) {
 SolverError::SolverError(const Error& error)
     : std::runtime_error(fmt::format("{}: {}", error.what, error.remedy)), error_(error) {}
 
-template <Precise Real>
-PathOnHeap<Real>::PathOnHeap(const PathSpec<Real>& spec)
+PathOnHeap::PathOnHeap(const PathSpec& spec)
     : weights_(static_cast<std::size_t>(std::max(spec.axis_count, 1))),
       cubics_((spec.keys.size() / weights_.size() + 1) * weights_.size()),
-      path_(value_or_throw(Path<Real>::make(spec, {cubics_, weights_}))) {}
+      path_(value_or_throw(Path::make(spec, {cubics_, weights_}))) {}
 
-template <Precise Real>
-MeasuredPath<Real>::MeasuredPath(const TrackSpec<Real>& spec)
+MeasuredPath::MeasuredPath(const TrackSpec& spec)
     : path_(make_path(spec)), arc_length_(make_arc_length(spec.arc_length)) {}
 
-template <Precise Real>
-SolvedTrack<Real>::SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode,
-                               const SolvedTrack* same_keys) {
+SolvedTrack::SolvedTrack(const TrackSpec& spec, Solver solver, const OdeOptions& ode,
+                         const SolvedTrack* same_keys) {
   if (same_keys != nullptr && !spec.cubics && !is_path_over_frames(spec)) {
     measured_ = same_keys->measured_;
     waypoints_ = same_keys->waypoints_;
   } else {
-    measured_ = std::make_shared<const MeasuredPath<Real>>(spec);
+    measured_ = std::make_shared<const MeasuredPath>(spec);
   }
   track_ = make_track(spec);
   points_.resize(static_cast<std::size_t>(spec.frames) + 1);
   if (solver == Solver::closed_form) {
-    table_ = value_or_throw(closed_form_table<Real>(*track_, points_));
+    table_ = value_or_throw(closed_form_table(*track_, points_));
   } else {
-    std::vector<OdeSegment<Real>> segments(static_cast<std::size_t>(track_->path().segment_count()) + 1);
-    table_ = value_or_throw(runge_kutta_table<Real>(*track_, ode, segments, points_));
+    std::vector<OdeSegment> segments(static_cast<std::size_t>(track_->path().segment_count()) + 1);
+    table_ = value_or_throw(runge_kutta_table(*track_, ode, segments, points_));
   }
 }
 
-template <Precise Real>
-Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec) {
-  const Path<Real>& path = measured_->path();
-  const ArcLength<Real>& arc_length = measured_->arc_length();
+Track SolvedTrack::make_track(const TrackSpec& spec) {
+  const Path& path = measured_->path();
+  const ArcLength& arc_length = measured_->arc_length();
   if (!spec.key_frames.empty()) {
     key_intervals_.resize(static_cast<std::size_t>(path.segment_count()));
-    const Track<Real> track = value_or_throw(Track<Real>::make_with_key_frames(
+    const Track track = value_or_throw(Track::make_with_key_frames(
         path, arc_length, spec.key_frames, spec.pace ? Kinetic::linear : spec.kinetic, spec.frames, spec.fps,
         {.key_intervals = key_intervals_}));
     if (!spec.pace) return track;
@@ -75,28 +70,24 @@ Track<Real> SolvedTrack<Real>::make_track(const TrackSpec<Real>& spec) {
     find_waypoints(spec);
     apply_locks(spec);
   }
-  const SpeedProfile<Real> profile = make_profile(control_values_, spec.ends);
+  const SpeedProfile profile = make_profile(control_values_, spec.ends);
   span_distances_.resize(control_values_.size() + 1);
   portions_.resize(breaks_.size() + 1);
-  return value_or_throw(
-      Track<Real>::make_with_breaks(path, arc_length, profile, spec.frames, spec.fps, breaks_,
-                                    {.span_distances = span_distances_, .portions = portions_}));
+  return value_or_throw(Track::make_with_breaks(path, arc_length, profile, spec.frames, spec.fps, breaks_,
+                                                {.span_distances = span_distances_, .portions = portions_}));
 }
 
-template <Precise Real>
-void SolvedTrack<Real>::find_waypoints(const TrackSpec<Real>& spec) {
-  if (control_values_.empty()) control_values_ = {Real(1), Real(1)};
+void SolvedTrack::find_waypoints(const TrackSpec& spec) {
+  if (control_values_.empty()) control_values_ = {1.0, 1.0};
   // The profile's own checks come first, so that a bad control value is named as such.
-  const SpeedProfile<Real> profile = make_profile(control_values_, spec.ends);
+  const SpeedProfile profile = make_profile(control_values_, spec.ends);
   span_distances_.resize(control_values_.size() + 1);
-  const Track<Real> track =
-      value_or_throw(Track<Real>::make(measured_->path(), measured_->arc_length(), profile, spec.frames,
-                                       spec.fps, {.span_distances = span_distances_}));
+  const Track track = value_or_throw(Track::make(measured_->path(), measured_->arc_length(), profile,
+                                                 spec.frames, spec.fps, {.span_distances = span_distances_}));
   if (waypoints_.empty()) waypoints_ = waypoints_of(track);
 }
 
-template <Precise Real>
-void SolvedTrack<Real>::apply_pace(const TrackSpec<Real>& spec) {
+void SolvedTrack::apply_pace(const TrackSpec& spec) {
   PaceSpec pace{.key_distances = {},
                 .key_frames = spec.key_frames,
                 .rests_at_start = spec.rests_at_start,
@@ -168,24 +159,23 @@ std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<con
 
 }  // namespace
 
-template <Precise Real>
-void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec) {
+void SolvedTrack::apply_locks(const TrackSpec& spec) {
   const std::vector<KeyLock> wishes = locks_on(waypoints_, spec.locks, spec.ease_corners, spec.ends);
   if (wishes.empty()) return;
-  std::vector<Real> distances;
-  for (const Waypoint& place : waypoints_) distances.push_back(static_cast<Real>(place.distance));
+  std::vector<double> distances;
+  for (const Waypoint& place : waypoints_) distances.push_back(static_cast<double>(place.distance));
   const std::size_t count = wishes.size();
-  std::vector<Real> adjusted(max_lock_values);
-  std::vector<Real> drawn(max_lock_values);
-  std::vector<Real> mobility(max_lock_values);
-  std::vector<Real> ceiling(max_lock_values);
-  std::vector<Real> targets(count + 1);
-  std::vector<Real> multipliers(4 * (count + 1));
+  std::vector<double> adjusted(max_lock_values);
+  std::vector<double> drawn(max_lock_values);
+  std::vector<double> mobility(max_lock_values);
+  std::vector<double> ceiling(max_lock_values);
+  std::vector<double> targets(count + 1);
+  std::vector<double> multipliers(4 * (count + 1));
   std::vector<LockRow> rows(count + 1);
-  std::vector<Real> weights(lock_weight_count(count, max_lock_values));
-  std::vector<Real> matrix(lock_entry_count(count));
+  std::vector<double> weights(lock_weight_count(count, max_lock_values));
+  std::vector<double> matrix(lock_entry_count(count));
   completed_locks_.resize(count + 2);
-  const Result<KeyTiming<Real>> adjusting = adjust_to_locks<Real>(
+  const Result<KeyTiming> adjusting = adjust_to_locks(
       {.control_values = control_values_,
        .key_distances = distances,
        .locks = wishes,
@@ -197,18 +187,18 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec) {
     if (error.code == ErrorCode::no_solution) {
       const auto last = static_cast<std::int32_t>(waypoints_.size()) - 1;
       const auto end = std::ranges::find(completed_locks_, last, &KeyLock::key) + 1;
-      if (const auto proven = proven_unmet<Real>({.locks = {completed_locks_.begin(), end},
-                                                  .waypoints = waypoints_,
-                                                  .control_values = control_values_,
-                                                  .ends = spec.ends,
-                                                  .frames = spec.frames}))
+      if (const auto proven = proven_unmet({.locks = {completed_locks_.begin(), end},
+                                            .waypoints = waypoints_,
+                                            .control_values = control_values_,
+                                            .ends = spec.ends,
+                                            .frames = spec.frames}))
         throw UnmetLock(*proven);
     }
     const auto place = static_cast<std::size_t>(error.key);
     if (error.key >= 0 && place < waypoints_.size()) error.key = waypoints_[place].key;
     throw SolverError(error);
   }
-  KeyTiming<Real> timing = *adjusting;
+  KeyTiming timing = *adjusting;
   control_values_.assign(timing.control_values.begin(), timing.control_values.end());
   timing.control_values = control_values_;
   key_timing_ = timing;
@@ -221,15 +211,14 @@ void SolvedTrack<Real>::apply_locks(const TrackSpec<Real>& spec) {
   }
 }
 
-template <Precise Real>
-Path<Real> MeasuredPath<Real>::make_path(const TrackSpec<Real>& spec) {
+Path MeasuredPath::make_path(const TrackSpec& spec) {
   if (spec.cubics) {
     cubics_.resize(spec.cubics->cubics.size() + spec.cubics->weights.size());
     weights_.resize(spec.cubics->weights.size());
     knots_.resize(spec.cubics->knots.size());
-    return value_or_throw(Path<Real>::make_of_cubics(*spec.cubics, {cubics_, weights_, knots_}));
+    return value_or_throw(Path::make_of_cubics(*spec.cubics, {cubics_, weights_, knots_}));
   }
-  PathSpec<Real> path = spec.path;
+  PathSpec path = spec.path;
   const auto axes = static_cast<std::size_t>(std::max(path.axis_count, 1));
   std::size_t rows = path.keys.size() / axes + 1;
   if (is_path_over_frames(spec)) {
@@ -241,11 +230,10 @@ Path<Real> MeasuredPath<Real>::make_path(const TrackSpec<Real>& spec) {
   }
   cubics_.resize(rows * axes);
   weights_.resize(axes);
-  return value_or_throw(Path<Real>::make(path, {cubics_, weights_, knots_}));
+  return value_or_throw(Path::make(path, {cubics_, weights_, knots_}));
 }
 
-template <Precise Real>
-ArcLength<Real> MeasuredPath<Real>::make_arc_length(const ArcLengthOptions<Real>& options) {
+ArcLength MeasuredPath::make_arc_length(const ArcLengthOptions& options) {
   const auto segments = static_cast<std::size_t>(path_->segment_count());
   first_pieces_.resize(segments + 1);
   segment_begins_.resize(segments + 1);
@@ -254,25 +242,18 @@ ArcLength<Real> MeasuredPath<Real>::make_arc_length(const ArcLengthOptions<Real>
     pieces_.resize(pieces);
     begins_.resize(pieces);
     buckets_.resize(4 * pieces);
-    const Result<ArcLength<Real>> result =
-        ArcLength<Real>::make(*path_, options, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
+    const Result<ArcLength> result =
+        ArcLength::make(*path_, options, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
     const bool too_small = !result && result.error().code == ErrorCode::capacity;
     if (!too_small) return value_or_throw(result);
     pieces = static_cast<std::size_t>(result.error().needed);
   }
 }
 
-template <Precise Real>
-SpeedProfile<Real> SolvedTrack<Real>::make_profile(std::span<const Real> control_values, CurveEnds ends) {
+SpeedProfile SolvedTrack::make_profile(std::span<const double> control_values, CurveEnds ends) {
   spans_.resize(control_values.size() + 1);
   integrals_.resize(control_values.size() + 2);
-  return value_or_throw(SpeedProfile<Real>::make(control_values, {spans_, integrals_}, ends));
+  return value_or_throw(SpeedProfile::make(control_values, {spans_, integrals_}, ends));
 }
-
-template class PathOnHeap<double>;
-template class MeasuredPath<double>;
-template class MeasuredPath<float>;
-template class SolvedTrack<double>;
-template class SolvedTrack<float>;
 
 }  // namespace inbetween

@@ -39,16 +39,15 @@ const T& value_or_throw(const Result<T>& result) {
   return *result;
 }
 
-template <Precise Real>
 struct TrackSpec {
-  PathSpec<Real> path;
+  PathSpec path;
   /// In its place a path that is solved already, through as many keys.
-  std::optional<CubicPathSpec<Real>> cubics = {};
-  std::span<const Real> control_values;
+  std::optional<CubicPathSpec> cubics = {};
+  std::span<const double> control_values;
   CurveEnds ends = CurveEnds::natural;
   std::int32_t frames = 0;
   FrameRate fps;
-  ArcLengthOptions<Real> arc_length;
+  ArcLengthOptions arc_length;
   /// Keys with a frame, a hold or a break, in the order of the keys.
   std::span<const KeyLock> locks = {};
   /// Instead of control values: a frame for every key (of a closed path one more).
@@ -64,89 +63,83 @@ struct TrackSpec {
 };
 
 /// A path with memory of its own. Throws SolverError.
-template <Precise Real>
 class PathOnHeap {
  public:
-  explicit PathOnHeap(const PathSpec<Real>& spec);
-  [[nodiscard]] const Path<Real>& path() const { return path_; }
+  explicit PathOnHeap(const PathSpec& spec);
+  [[nodiscard]] const Path& path() const { return path_; }
 
  private:
-  std::vector<Real> weights_;
-  std::vector<Cubic<Real>> cubics_;
-  Path<Real> path_;
+  std::vector<double> weights_;
+  std::vector<Cubic> cubics_;
+  Path path_;
 };
 
 /// A path and its arc length with memory of their own, to which they refer. Throws SolverError.
-template <Precise Real>
 class MeasuredPath {
  public:
-  explicit MeasuredPath(const TrackSpec<Real>& spec);
+  explicit MeasuredPath(const TrackSpec& spec);
   MeasuredPath(const MeasuredPath&) = delete;
   MeasuredPath& operator=(const MeasuredPath&) = delete;
 
-  [[nodiscard]] const Path<Real>& path() const { return *path_; }
-  [[nodiscard]] const ArcLength<Real>& arc_length() const { return *arc_length_; }
+  [[nodiscard]] const Path& path() const { return *path_; }
+  [[nodiscard]] const ArcLength& arc_length() const { return *arc_length_; }
 
  private:
-  [[nodiscard]] Path<Real> make_path(const TrackSpec<Real>& spec);
-  [[nodiscard]] ArcLength<Real> make_arc_length(const ArcLengthOptions<Real>& options);
+  [[nodiscard]] Path make_path(const TrackSpec& spec);
+  [[nodiscard]] ArcLength make_arc_length(const ArcLengthOptions& options);
 
-  std::vector<Cubic<Real>> cubics_;
-  std::vector<Real> weights_;
+  std::vector<Cubic> cubics_;
+  std::vector<double> weights_;
   std::vector<FrameKnot> knots_;
-  std::vector<ArcPiece<Real>> pieces_;
-  std::vector<Real> begins_;
+  std::vector<ArcPiece> pieces_;
+  std::vector<double> begins_;
   std::vector<std::int32_t> buckets_;
   std::vector<std::int32_t> first_pieces_;
-  std::vector<TwoSum<Real>> segment_begins_;
-  std::optional<Path<Real>> path_;
-  std::optional<ArcLength<Real>> arc_length_;
+  std::vector<TwoSum> segment_begins_;
+  std::optional<Path> path_;
+  std::optional<ArcLength> arc_length_;
 };
 
 /// Path, arc length, speed profile, track and frame table of one spec. Movable, not copyable: its
 /// parts refer to its memory, which a move does not displace.
-template <Precise Real>
 class SolvedTrack {
  public:
   /// `same_keys`, if there is one, is solved from the same keys, of which only the frames may differ: its
   /// path is shared where that does not depend on them. Throws SolverError.
-  SolvedTrack(const TrackSpec<Real>& spec, Solver solver, const OdeOptions<Real>& ode = {},
+  SolvedTrack(const TrackSpec& spec, Solver solver, const OdeOptions& ode = {},
               const SolvedTrack* same_keys = nullptr);
   SolvedTrack(SolvedTrack&&) noexcept = default;
   SolvedTrack& operator=(SolvedTrack&&) noexcept = default;
 
-  [[nodiscard]] const Track<Real>& track() const { return *track_; }
-  [[nodiscard]] const FrameTable<Real>& table() const { return *table_; }
+  [[nodiscard]] const Track& track() const { return *track_; }
+  [[nodiscard]] const FrameTable& table() const { return *table_; }
   /// The f + 1 control values that are played: the drawn ones, or what the locks made of them.
-  [[nodiscard]] const std::vector<Real>& control_values() const { return control_values_; }
+  [[nodiscard]] const std::vector<double>& control_values() const { return control_values_; }
   /// The changes of the drawn curve by its locks; nothing without locks other than breaks.
-  [[nodiscard]] const std::optional<KeyTiming<Real>>& key_timing() const { return key_timing_; }
+  [[nodiscard]] const std::optional<KeyTiming>& key_timing() const { return key_timing_; }
 
  private:
-  [[nodiscard]] Track<Real> make_track(const TrackSpec<Real>& spec);
+  [[nodiscard]] Track make_track(const TrackSpec& spec);
   /// Fills control_values_, and breaks_ with the locks that are breaks.
-  void apply_locks(const TrackSpec<Real>& spec);
-  void apply_pace(const TrackSpec<Real>& spec);
-  void find_waypoints(const TrackSpec<Real>& spec);
-  [[nodiscard]] SpeedProfile<Real> make_profile(std::span<const Real> control_values, CurveEnds ends);
+  void apply_locks(const TrackSpec& spec);
+  void apply_pace(const TrackSpec& spec);
+  void find_waypoints(const TrackSpec& spec);
+  [[nodiscard]] SpeedProfile make_profile(std::span<const double> control_values, CurveEnds ends);
 
-  std::shared_ptr<const MeasuredPath<Real>> measured_;
+  std::shared_ptr<const MeasuredPath> measured_;
   std::vector<Waypoint> waypoints_;  ///< empty where nobody has asked for them
-  std::vector<SpeedSpan<Real>> spans_;
-  std::vector<TwoSum<Real>> integrals_;
-  std::vector<SpanDistance<Real>> span_distances_;
-  std::vector<Portion<Real>> portions_;
-  std::vector<KeyInterval<Real>> key_intervals_;
-  std::vector<Real> control_values_;
+  std::vector<SpeedSpan> spans_;
+  std::vector<TwoSum> integrals_;
+  std::vector<SpanDistance> span_distances_;
+  std::vector<Portion> portions_;
+  std::vector<KeyInterval> key_intervals_;
+  std::vector<double> control_values_;
   std::vector<BreakKey> breaks_;
   std::vector<KeyLock> completed_locks_;
-  std::optional<KeyTiming<Real>> key_timing_;
-  std::vector<PathPoint<Real>> points_;
-  std::optional<Track<Real>> track_;
-  std::optional<FrameTable<Real>> table_;
+  std::optional<KeyTiming> key_timing_;
+  std::vector<PathPoint> points_;
+  std::optional<Track> track_;
+  std::optional<FrameTable> table_;
 };
-
-extern template class SolvedTrack<double>;
-extern template class SolvedTrack<float>;
 
 }  // namespace inbetween

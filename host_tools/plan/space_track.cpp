@@ -55,9 +55,9 @@ bool looks_at_what_moves(const MoveFile& move, std::size_t track, const Kinemati
 void settle_aim(MoveSpace& space, const Kinematics& kinematics, std::span<const AxisInMove> axes) {
   std::vector<double> coordinates(kinematics.tree().coordinate_count());
   for (std::size_t a = 0; a < coordinates.size(); ++a) coordinates[a] = axes[a].held.value_or(0);
-  std::vector<Pose<double>> poses(kinematics.links().size());
+  std::vector<Pose> poses(kinematics.links().size());
   static_cast<void>(kinematics.tree().poses(coordinates, poses));
-  const Vector3<double>& point = poses[static_cast<std::size_t>(link_of(space, kinematics))].position;
+  const Vector3& point = poses[static_cast<std::size_t>(link_of(space, kinematics))].position;
   space.fixed_aim = {point.x, point.y, point.z};
   space.aim_node.reset();
 }
@@ -92,7 +92,7 @@ void settle_aims(MoveFile& move, const Kinematics* kinematics, std::span<const A
   }
 }
 
-TrackedPath axes_looking_at(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
+TrackedPath axes_looking_at(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
                             const RigFile& rig, std::vector<DrivenCoordinate> driven) {
   LinkInTime aim(kinematics, link_of(*track.space, kinematics), std::move(driven));
   return tracked_path(track, drawn, aim, kinematics, rig);
@@ -111,37 +111,37 @@ std::vector<double> space_weights(const MoveSpace& space) {
   return weights;
 }
 
-FollowedPath axes_in_space(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
+FollowedPath axes_in_space(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
                            const RigFile& rig) {
   return AxesInSpace(track, drawn, kinematics, rig).follow();
 }
 
-FollowedPath tip_of_axes(const MoveTrack& track, const Path<double>& drawn, const Kinematics& kinematics,
+FollowedPath tip_of_axes(const MoveTrack& track, const Path& drawn, const Kinematics& kinematics,
                          const RigFile& rig) {
   const MoveDistance& distance = *track.distance;
   const Tip& tip = tip_named(distance.tip, distance.place, kinematics);
   const std::vector<std::size_t> coordinates = coordinates_for(track, tip, distance.place, kinematics, rig);
   std::vector<double> values(kinematics.tree().coordinate_count());
-  std::vector<Pose<double>> poses(kinematics.links().size());
-  std::vector<JacobianColumn<double>> columns(values.size());
+  std::vector<Pose> poses(kinematics.links().size());
+  std::vector<JacobianColumn> columns(values.size());
   const auto link = static_cast<std::size_t>(tip.link);
-  const auto place_links = [&](const PathPoint<double>& place) {
+  const auto place_links = [&](const PathPoint& place) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       values[coordinates[i]] = drawn.segment(place.segment)[i].value(place.t);
     }
     static_cast<void>(kinematics.tree().poses(values, poses));
   };
   const Follower follower{.at =
-                              [&](const PathPoint<double>& place) {
+                              [&](const PathPoint& place) {
                                 place_links(place);
-                                const Vector3<double>& p = poses[link].position;
+                                const Vector3& p = poses[link].position;
                                 return Follower::Row{p.x, p.y, p.z};
                               },
                           .slope =
-                              [&](const PathPoint<double>& place) {
+                              [&](const PathPoint& place) {
                                 place_links(place);
                                 kinematics.tree().jacobian(tip.link, poses, columns);
-                                Vector3<double> v;
+                                Vector3 v;
                                 for (std::size_t i = 0; i < coordinates.size(); ++i) {
                                   v += columns[coordinates[i]].linear *
                                        drawn.segment(place.segment)[i].derivative(place.t);
@@ -149,11 +149,11 @@ FollowedPath tip_of_axes(const MoveTrack& track, const Path<double>& drawn, cons
                                 return Follower::Row{v.x, v.y, v.z};
                               }};
   double length = no_way;
-  std::optional<Vector3<double>> before;
+  std::optional<Vector3> before;
   for (std::int32_t i = 0; i < drawn.segment_count(); ++i) {
     for (int k = 0; k <= chords_between_keys; ++k) {
       place_links({i, static_cast<double>(k) / chords_between_keys});
-      const Vector3<double> step = poses[link].position - before.value_or(poses[link].position);
+      const Vector3 step = poses[link].position - before.value_or(poses[link].position);
       length += std::sqrt(dot(step, step));
       before = poses[link].position;
     }

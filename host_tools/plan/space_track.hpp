@@ -36,16 +36,16 @@ std::vector<double> space_weights(const MoveSpace& space);
 /// The axes of a track whose keys are in the world. `drawn` is the track through them. Throws InputError at
 /// the key before the place with frame, distance along the path and axis: out of reach, beyond the range of
 /// an axis, a singular place, a place where the solution would have to jump.
-FollowedPath axes_in_space(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
+FollowedPath axes_in_space(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
                            const RigFile& rig);
 
 /// The same of a track that looks at a link while other tracks move it: MoveSpace::aim_node is there.
 /// `driven` says by which solved track each axis of the rig moves.
-TrackedPath axes_looking_at(const MoveTrack& track, const Track<double>& drawn, const Kinematics& kinematics,
+TrackedPath axes_looking_at(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
                             const RigFile& rig, std::vector<DrivenCoordinate> driven);
 
 /// The way of a tip along a path of axes.
-FollowedPath tip_of_axes(const MoveTrack& track, const Path<double>& drawn, const Kinematics& kinematics,
+FollowedPath tip_of_axes(const MoveTrack& track, const Path& drawn, const Kinematics& kinematics,
                          const RigFile& rig);
 
 }  // namespace inbetween

@@ -26,18 +26,18 @@ constexpr double max_speed_share = 5e-5;
 constexpr std::int32_t max_parts = std::numeric_limits<std::int16_t>::max();
 
 /// The cubic on one step that has these places and velocities (per step) at its ends.
-Cubic<double> between(double from, double velocity, double to, double end_velocity) {
+Cubic between(double from, double velocity, double to, double end_velocity) {
   return {from, velocity, 3 * (to - from) - 2 * velocity - end_velocity,
           2 * (from - to) + velocity + end_velocity};
 }
 
 /// Half the second derivative at both ends.
-std::array<double, 2> end_curvatures(const std::vector<Cubic<double>>& cubics) {
+std::array<double, 2> end_curvatures(const std::vector<Cubic>& cubics) {
   return {cubics.front().c2, cubics.back().second(1) / 2};
 }
 
 /// The spline through the values, but beside an end that rests: there the acceleration is 0 instead.
-std::vector<Cubic<double>> spline_with_rests(SplineRun run, bool rests_first, bool rests_last) {
+std::vector<Cubic> spline_with_rests(SplineRun run, bool rests_first, bool rests_last) {
   const std::array places{std::size_t{1}, run.values.size() - 2};
   const std::array rests{rests_first, rests_last};
   const std::array<double, 2> wrong = end_curvatures(spline_through(run));
@@ -58,11 +58,11 @@ std::vector<Cubic<double>> spline_with_rests(SplineRun run, bool rests_first, bo
     run.values[places[0]] += (right[0] * effects[1][1] - right[1] * effects[1][0]) / determinant;
   if (rests_last)
     run.values[places[1]] += (right[1] * effects[0][0] - right[0] * effects[0][1]) / determinant;
-  std::vector<Cubic<double>> cubics = spline_through(run);
+  std::vector<Cubic> cubics = spline_through(run);
   // To the last bit, which rounding has left off.
   if (rests_first) cubics.front().c1 = cubics.front().c2 = 0;
   if (rests_last) {
-    Cubic<double>& last = cubics.back();
+    Cubic& last = cubics.back();
     last.c3 = run.values.back() - last.c0;
     last.c1 = 3 * last.c3;
     last.c2 = -last.c1;
@@ -72,7 +72,7 @@ std::vector<Cubic<double>> spline_with_rests(SplineRun run, bool rests_first, bo
 
 class Tracking {
  public:
-  Tracking(const MoveTrack& track, const Track<double>& drawn, LinkInTime& aim, const Kinematics& kinematics,
+  Tracking(const MoveTrack& track, const Track& drawn, LinkInTime& aim, const Kinematics& kinematics,
            const RigFile& rig)
       : track_(track),
         drawn_(drawn),
@@ -164,7 +164,7 @@ class Tracking {
   }
 
   /// Of a place in steps since frame 0.
-  [[nodiscard]] FrameTime<double> time_of(double step) const {
+  [[nodiscard]] FrameTime time_of(double step) const {
     const double frame = std::floor(step / per_frame_);
     return {static_cast<std::int32_t>(frame), (step - frame * per_frame_) / per_frame_};
   }
@@ -176,7 +176,7 @@ class Tracking {
     aims_.clear();
     nearest_ = std::numeric_limits<double>::infinity();
     for (std::size_t step = 0; step <= steps_; ++step) {
-      const FrameTime<double> time = time_of(static_cast<double>(step));
+      const FrameTime time = time_of(static_cast<double>(step));
       const MovingPoint point = aim_.at(time);
       values_.push_back(axes_.at(time, point, step == 0));
       if (step == 0) first_slope_ = axes_.velocities(time, point);
@@ -198,8 +198,8 @@ class Tracking {
   /// Nothing moves or is accelerated at that end of the move.
   [[nodiscard]] bool rests_at(std::int32_t frame) {
     drawn_.motion({frame, 0}, motion_);
-    const LinkMotion<double>& link = aim_.motion({frame, 0});
-    const Vector3<double> none{};
+    const LinkMotion& link = aim_.motion({frame, 0});
+    const Vector3 none{};
     return std::ranges::all_of(motion_,
                                [](const auto& row) { return row.velocity == 0 && row.acceleration == 0; }) &&
            link.velocity == none && link.acceleration == none;
@@ -209,7 +209,7 @@ class Tracking {
     const std::size_t axes = axes_.coordinates().size();
     const bool rests_first = rests_at(0);
     const bool rests_last = rests_at(drawn_.frames());
-    std::vector<std::vector<Cubic<double>>> rows;
+    std::vector<std::vector<Cubic>> rows;
     for (std::size_t d = 0; d < axes; ++d) {
       SplineRun run{.steps = std::vector<double>(steps_, 1), .values = {}};
       for (const std::vector<double>& value : values_) run.values.push_back(value[d]);
@@ -233,25 +233,24 @@ class Tracking {
     return path;
   }
 
-  [[nodiscard]] std::vector<Cubic<double>> cubics_of(const std::vector<MovingPoint>& points,
-                                                     std::size_t step) const {
+  [[nodiscard]] std::vector<Cubic> cubics_of(const std::vector<MovingPoint>& points, std::size_t step) const {
     const MovingPoint& from = points[step];
     const MovingPoint& to = points[step + 1];
-    const Vector3<double> v = from.velocity * step_s_;
-    const Vector3<double> w = to.velocity * step_s_;
+    const Vector3 v = from.velocity * step_s_;
+    const Vector3 w = to.velocity * step_s_;
     return {between(from.position.x, v.x, to.position.x, w.x),
             between(from.position.y, v.y, to.position.y, w.y),
             between(from.position.z, v.z, to.position.z, w.z)};
   }
 
-  void bound(const std::vector<std::vector<Cubic<double>>>& rows, FollowAccuracy& accuracy) const {
+  void bound(const std::vector<std::vector<Cubic>>& rows, FollowAccuracy& accuracy) const {
     double speed = 0;
     for (std::size_t step = 0; step < steps_; ++step) {
-      std::vector<Cubic<double>> axes;
+      std::vector<Cubic> axes;
       axes.reserve(rows.size());
-      for (const std::vector<Cubic<double>>& row : rows) axes.push_back(row[step]);
-      const std::vector<Cubic<double>> place = cubics_of(places_, step);
-      const std::vector<Cubic<double>> aim = cubics_of(aims_, step);
+      for (const std::vector<Cubic>& row : rows) axes.push_back(row[step]);
+      const std::vector<Cubic> place = cubics_of(places_, step);
+      const std::vector<Cubic> aim = cubics_of(aims_, step);
       const TipDeviation found =
           tip_deviation(kinematics_, axes_.tip().link, {axes, axes_.coordinates(), place, aim});
       accuracy.way_m = std::max(accuracy.way_m, found.way);
@@ -272,11 +271,11 @@ class Tracking {
   }
 
   const MoveTrack& track_;
-  const Track<double>& drawn_;
+  const Track& drawn_;
   LinkInTime& aim_;
   const Kinematics& kinematics_;
   AxesInSpace axes_;
-  std::vector<AxisMotion<double>> motion_;  // of the drawn rows, at a moment
+  std::vector<AxisMotion> motion_;  // of the drawn rows, at a moment
   std::vector<std::int32_t> key_frames_;
   double max_speed_ = 0;  // of the drawn place
   double max_jerk_ = 0;
@@ -292,7 +291,7 @@ class Tracking {
 
 }  // namespace
 
-TrackedPath tracked_path(const MoveTrack& track, const Track<double>& drawn, LinkInTime& aim,
+TrackedPath tracked_path(const MoveTrack& track, const Track& drawn, LinkInTime& aim,
                          const Kinematics& kinematics, const RigFile& rig) {
   return Tracking(track, drawn, aim, kinematics, rig).solve();
 }

@@ -26,7 +26,7 @@ struct TrackedPath {
 /// The bounds are proven: between two steps the drawn place is within J h^3 / 4 of the cubic that has its
 /// places and velocities at both, and its velocity within J h^2 / 4 (J bounds its third derivative by time, h
 /// is the step); the same holds for the point that is looked at; tip_deviation bounds the rest.
-TrackedPath tracked_path(const MoveTrack& track, const Track<double>& drawn, LinkInTime& aim,
+TrackedPath tracked_path(const MoveTrack& track, const Track& drawn, LinkInTime& aim,
                          const Kinematics& kinematics, const RigFile& rig);
 
 }  // namespace inbetween

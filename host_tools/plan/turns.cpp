@@ -74,7 +74,7 @@ void repeat_cue(MoveCue& cue, std::int32_t frames, std::int32_t turns) {
 
 /// The lowest and the highest position of an axis on one turn and its rolls.
 std::pair<double, double> range_of(const Plan& plan, std::size_t move_axis) {
-  const Move<double>& move = plan.played();
+  const Move& move = plan.played();
   const PlayedMotion& motion = plan.motion();
   std::vector<double> positions(move.axis_count());
   double low = std::numeric_limits<double>::infinity();

@@ -22,27 +22,26 @@ struct LockedWay {
   double mean = 0;
 };
 
-template <Precise Real>
-LockedWay fastest_way(const UnmetLocks<Real>& unmet) {
+LockedWay fastest_way(const UnmetLocks& unmet) {
   const auto f = static_cast<std::int32_t>(unmet.control_values.size()) - 1;
   const auto distance = [&](const KeyLock& lock) {
     return unmet.waypoints[static_cast<std::size_t>(lock.key)].distance;
   };
   const auto a_of = [&](std::int32_t frame) {
-    return static_cast<Real>(frame) * static_cast<Real>(f) / static_cast<Real>(unmet.frames);
+    return static_cast<double>(frame) * static_cast<double>(f) / static_cast<double>(unmet.frames);
   };
   LockedWay fastest;
   for (std::size_t i = 0; i + 1 < unmet.locks.size();) {
     std::size_t end = i + 1;
     while (end + 1 < unmet.locks.size() && !unmet.locks[end].breaks) ++end;
-    const IntegralRow<Real> row(a_of(unmet.locks[i].frame), a_of(unmet.locks[end].frame), f, unmet.ends);
-    const auto area = static_cast<double>(row.integral(unmet.control_values));
+    const IntegralRow row(a_of(unmet.locks[i].frame), a_of(unmet.locks[end].frame), f, unmet.ends);
+    const double area = row.integral(unmet.control_values);
     const double length = distance(unmet.locks[end]) - distance(unmet.locks[i]);
     for (; i < end; ++i) {
       const KeyLock& one = unmet.locks[i];
       const KeyLock& next = unmet.locks[i + 1];
       if (!(length > 0) || one.ease || next.ease) continue;  // an eased key is met beside its frame
-      const auto spans = static_cast<double>(a_of(next.frame) - a_of(one.frame + one.hold));
+      const double spans = a_of(next.frame) - a_of(one.frame + one.hold);
       const double mean = (distance(next) - distance(one)) / length * area / spans;
       if (mean > fastest.mean) fastest = {one, next, mean};
     }
@@ -52,8 +51,7 @@ LockedWay fastest_way(const UnmetLocks<Real>& unmet) {
 
 }  // namespace
 
-template <Precise Real>
-std::optional<UnmetLock> proven_unmet(const UnmetLocks<Real>& unmet) {
+std::optional<UnmetLock> proven_unmet(const UnmetLocks& unmet) {
   const LockedWay way = fastest_way(unmet);
   const double times = way.mean / largest_control_value;
   if (!(times > 1 + mean_rounding)) return std::nullopt;
@@ -73,8 +71,5 @@ std::optional<UnmetLock> proven_unmet(const UnmetLocks<Real>& unmet) {
                   key_of(way.begin), way.begin.frame + way.begin.hold, key_of(way.end), way.end.frame,
                   way.mean, (1 + advised_room) * times));
 }
-
-template std::optional<UnmetLock> proven_unmet(const UnmetLocks<double>&);
-template std::optional<UnmetLock> proven_unmet(const UnmetLocks<float>&);
 
 }  // namespace inbetween

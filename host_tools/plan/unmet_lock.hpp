@@ -22,11 +22,10 @@ class UnmetLock : public SolverError {
 };
 
 /// The input of adjust_to_locks() that was refused, with the locks that it completed.
-template <Precise Real>
 struct UnmetLocks {
   std::span<const KeyLock> locks;  ///< the ends of the move are the first and the last
   std::span<const Waypoint> waypoints;
-  std::span<const Real> control_values;
+  std::span<const double> control_values;
   CurveEnds ends = CurveEnds::natural;
   std::int32_t frames = 0;
 };
@@ -35,7 +34,6 @@ struct UnmetLocks {
 /// between two neighbouring locks needs a larger mean, that proves that no curve meets them: the refusal
 /// blames the lock at the end of the way that needs the largest. Nothing where no way does. Phi between two
 /// breaks counts as drawn. O(control values + locks).
-template <Precise Real>
-std::optional<UnmetLock> proven_unmet(const UnmetLocks<Real>& unmet);
+std::optional<UnmetLock> proven_unmet(const UnmetLocks& unmet);
 
 }  // namespace inbetween

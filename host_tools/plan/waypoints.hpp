@@ -18,7 +18,6 @@ struct Waypoint {
 
 /// In order of distance, from the first key to the end of the path. Keys in one place are corners together or
 /// not at all. The seam of a closed path may be a corner as well. `track` has a speed curve, whichever.
-template <Precise Real>
-std::vector<Waypoint> waypoints_of(const Track<Real>& track);
+std::vector<Waypoint> waypoints_of(const Track& track);
 
 }  // namespace inbetween

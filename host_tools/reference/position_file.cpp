@@ -70,7 +70,7 @@ class Identity {
     add(axis.backlash ? axis.backlash->play : 0.0);
     add(axis.backlash && axis.backlash->approach_is_up ? 1 : 0);
     if (axis.calibration) {
-      for (const CalibrationMark<double>& mark : axis.calibration->marks) {
+      for (const CalibrationMark& mark : axis.calibration->marks) {
         add(mark.axis);
         add(mark.motor);
       }

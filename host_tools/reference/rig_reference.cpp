@@ -74,7 +74,7 @@ std::optional<double> RigReference::counted_position(std::size_t axis) const {
   const Axis& of = axes_[axis];
   if (!of.position || of.zeros.empty()) return of.position;
   const RigAxis& in_rig = rig_.axes[axis];
-  const AxisMotor<double> first{.axis = axis, .offset = in_rig.offset};
+  const AxisMotor first{.axis = axis, .offset = in_rig.offset};
   return axis_position(in_rig, first, motor_position(in_rig, first, *of.position) + of.zeros.front());
 }
 
@@ -151,8 +151,7 @@ void RigReference::about_to_move(std::span<const std::size_t> axes) {
   for (const std::size_t a : begin) axes_[a].moves = true;
 }
 
-void RigReference::at_rest(const RigDrives& drives, std::span<const DriveState<double>> states,
-                           bool power_was_cut) {
+void RigReference::at_rest(const RigDrives& drives, std::span<const DriveState> states, bool power_was_cut) {
   std::vector<PositionFile::Rest> rests;
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     Axis& axis = axes_[a];

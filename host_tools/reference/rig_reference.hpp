@@ -53,7 +53,7 @@ class RigReference {
   /// The axes that were to move rest where their drives tell. An axis that was referenced stays so, unless
   /// it has lost its steps, its drive is out of reach, or its motor was without power (`power_was_cut`) and
   /// nothing reports where it went. What has not moved stays as it is.
-  void at_rest(const RigDrives& drives, std::span<const DriveState<double>> states, bool power_was_cut);
+  void at_rest(const RigDrives& drives, std::span<const DriveState> states, bool power_was_cut);
   /// The drives are switched off again. An axis whose drive has started anew since it was placed is lost,
   /// also if it was not to move.
   void forget_restarted(const RigDrives& drives);

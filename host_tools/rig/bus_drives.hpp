@@ -29,12 +29,12 @@ namespace inbetween {
 /// `Kind` is a protocol (bus_kind.hpp).
 template <class Kind>
 class BusDrives final
-    : public PortDrives<can::BusPort<typename Kind::Bus, double, BusLink<typename Kind::Bus::Frame>>> {
+    : public PortDrives<can::BusPort<typename Kind::Bus, BusLink<typename Kind::Bus::Frame>>> {
  public:
   using Bus = typename Kind::Bus;
   using Drive = typename Bus::Drive;
   using Frame = typename Bus::Frame;
-  using Port = can::BusPort<Bus, double, BusLink<Frame>>;
+  using Port = can::BusPort<Bus, BusLink<Frame>>;
 
   /// `axes` of the rig have such drives; there is one at least. Throws InputError at the place of an axis
   /// that cannot be set up, and what RigHardware::open_bus throws.

@@ -64,15 +64,15 @@ void refuse_common_identifiers(const RigFile& rig, const Bus& bus) {
 
 }  // namespace
 
-AxisWatch<double> watch_of(const RigAxis& axis) {
+AxisWatch watch_of(const RigAxis& axis) {
   const FollowLimits follow = follow_limits_of(axis.drive).value_or(FollowLimits{});
-  return AxisWatch<double>({.min = axis.min,
-                            .max = axis.max,
-                            .max_velocity = axis.max_velocity,
-                            .stop_acceleration = stop_acceleration_of(axis),
-                            .max_following_error = follow.max_following_error,
-                            .in_position = follow.in_position,
-                            .rest = rest_way_of(axis)});
+  return AxisWatch({.min = axis.min,
+                    .max = axis.max,
+                    .max_velocity = axis.max_velocity,
+                    .stop_acceleration = stop_acceleration_of(axis),
+                    .max_following_error = follow.max_following_error,
+                    .in_position = follow.in_position,
+                    .rest = rest_way_of(axis)});
 }
 
 BusShare share_of_bus(const RigFile& rig, const Bus& bus) {

@@ -51,7 +51,7 @@ void with_kind_of(const RigAxis& axis, Use&& use) {
 }
 
 /// What is asked of the motor of an axis, whatever its drive makes of it.
-AxisWatch<double> watch_of(const RigAxis& axis);
+AxisWatch watch_of(const RigAxis& axis);
 
 /// The frames of the drives on a bus in a tick, and at worst their bits on the wire.
 BusShare share_of_bus(const RigFile& rig, const Bus& bus);

@@ -35,7 +35,7 @@ CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, const WholeFram
         {{"camera", &camera->shutter, &camera->place}, hardware.chip_of(camera->shutter.address)});
   }
   std::ranges::stable_sort(lines_, {}, &Line::chip);
-  if (lines_.size() > CueTimer<double>::max_lines) {
+  if (lines_.size() > CueTimer::max_lines) {
     refuse(lines_.back().name, *lines_.back().place, "the rig has more than 64 outputs, the camera included",
            "remove some");
   }
@@ -45,7 +45,7 @@ CueOutputs::CueOutputs(const MoveFile& move, const RigFile& rig, const WholeFram
     if (!number) refuse(pulse.line, *pulse.place, "the rig does not have it", "add it to the rig");
     timed_.push_back({{pulse.frame, pulse.phase}, pulse.width_ns, static_cast<std::int32_t>(*number)});
   }
-  timer_.emplace(value_or_refuse(CueTimer<double>::make(timed_, line.first, line.last, move.fps.rate),
+  timer_.emplace(value_or_refuse(CueTimer::make(timed_, line.first, line.last, move.fps.rate),
                                  pulses_.empty() ? move.frames_place : *pulses_.front().place));
   open_chips(hardware);
 }
@@ -82,11 +82,11 @@ void CueOutputs::tick(const CuePassage& passage, std::int32_t ticks, std::int64_
   } else {
     chain_.next(now_ns, ticks);
   }
-  const CueTick<double> tick{.from = passage.from,
-                             .to = passage.to,
-                             .repeated = passage.repeated,
-                             .start_ns = chain_.start_ns(),
-                             .end_ns = chain_.end_ns()};
+  const CueTick tick{.from = passage.from,
+                     .to = passage.to,
+                     .repeated = passage.repeated,
+                     .start_ns = chain_.start_ns(),
+                     .end_ns = chain_.end_ns()};
   const Result<CueCount> count = timer_->advance(tick, {begun_, instants_});
   if (!count) {
     has_refused_ = true;

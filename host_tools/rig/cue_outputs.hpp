@@ -25,7 +25,7 @@ namespace inbetween {
 
 /// The way of a playhead in a tick of the loop.
 struct CuePassage {
-  PlayheadPlace<double> from, to;
+  PlayheadPlace from, to;
   Repeat repeated = Repeat::none;
 };
 
@@ -89,8 +89,8 @@ class CueOutputs {
 
   std::vector<CuePulse> pulses_;
   std::vector<Line> lines_;
-  std::vector<TimedPulse<double>> timed_;
-  std::optional<CueTimer<double>> timer_;
+  std::vector<TimedPulse> timed_;
+  std::optional<CueTimer> timer_;
   std::vector<BegunPulse> begun_;
   std::vector<EdgeInstant> instants_;
   TickChain chain_;

@@ -92,7 +92,7 @@ void PipeDrives::open(Pipe& pipe) {
   }
 }
 
-void PipeDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
+void PipeDrives::read(std::span<DriveState> states, std::int64_t now_ns) {
   if (opened_ns_ == 0) opened_ns_ = now_ns;
   now_ns_ = now_ns;
   for (std::size_t i = 0; i < lanes_.size(); ++i) {
@@ -103,7 +103,7 @@ void PipeDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns)
   }
 }
 
-void PipeDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
+void PipeDrives::write(std::span<const Setpoint> setpoints, std::int64_t now_ns) {
   if (setpoints.empty() || !is_enabled_) return;
   if (line_ == 0) first_line_ns_ = now_ns;
   for (std::size_t i = 0; i < lanes_.size(); ++i) {

@@ -25,8 +25,8 @@ class PipeDrives final : public AxisDrives {
   /// opened or is too slow, or whose rig file does not say that it has no watchdog. Refers to the rig.
   PipeDrives(const RigFile& rig, std::span<const std::size_t> axes);
 
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override;
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override;
+  void read(std::span<DriveState> states, std::int64_t now_ns) override;
+  void write(std::span<const Setpoint> setpoints, std::int64_t now_ns) override;
   void enable() override;
   /// The last line is "off".
   void disable() override;

@@ -58,7 +58,7 @@ RigDrives::RigDrives(const RigFile& rig, RigHardware& hardware) : hardware_(hard
   if (rig_.gears.empty()) return;
   states_.resize(motors_.of.size());
   setpoints_.resize(motors_.of.size());
-  axes_.emplace(motors_, MotorMemory<double>{rig_.gears, rig_.of, states_, setpoints_});
+  axes_.emplace(motors_, MotorMemory{rig_.gears, rig_.of, states_, setpoints_});
 }
 
 void RigDrives::add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrives> drives) {
@@ -66,14 +66,14 @@ void RigDrives::add(std::span<const std::size_t> axes, std::unique_ptr<AxisDrive
   motors_.parts.push_back({.axes = {axes.begin(), axes.end()}, .drives = std::move(drives)});
 }
 
-void RigDrives::MotorDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
+void RigDrives::MotorDrives::read(std::span<DriveState> states, std::int64_t now_ns) {
   for (Part& part : parts) {
     part.drives->read(part.states, now_ns);
     for (std::size_t i = 0; i < part.axes.size(); ++i) states[part.axes[i]] = part.states[i];
   }
 }
 
-void RigDrives::MotorDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
+void RigDrives::MotorDrives::write(std::span<const Setpoint> setpoints, std::int64_t now_ns) {
   const bool may = std::ranges::all_of(parts, [](const Part& part) { return part.drives->is_set_up(); });
   for (Part& part : parts) {
     part.drives->let_switch_on(may);
@@ -98,12 +98,12 @@ void RigDrives::MotorDrives::quick_stop() {
   for (const Part& part : parts) part.drives->quick_stop();
 }
 
-void RigDrives::read(std::span<DriveState<double>> states, std::int64_t now_ns) {
+void RigDrives::read(std::span<DriveState> states, std::int64_t now_ns) {
   hardware_.advance(now_ns);
   axes_ ? axes_->read(states, now_ns) : motors_.read(states, now_ns);
 }
 
-void RigDrives::write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) {
+void RigDrives::write(std::span<const Setpoint> setpoints, std::int64_t now_ns) {
   axes_ ? axes_->write(setpoints, now_ns) : motors_.write(setpoints, now_ns);
 }
 
@@ -119,7 +119,7 @@ void RigDrives::quick_stop() {
   motors_.quick_stop();
 }
 
-void RigDrives::plan_motor(std::size_t axis, const Setpoint<double>& told, const Setpoint<double>& motor) {
+void RigDrives::plan_motor(std::size_t axis, const Setpoint& told, const Setpoint& motor) {
   if (axes_) axes_->plan_motor(axis, told, motor);
 }
 
@@ -157,7 +157,7 @@ bool RigDrives::has_lost_position(std::size_t axis) const {
 
 double RigDrives::as_approached(std::size_t axis, double position) const {
   if (!axes_) return position;
-  const AxisGear<double>& gear = rig_.gears[axis];
+  const AxisGear& gear = rig_.gears[axis];
   const double motor = gear.motor_at(position);
   return gear.calibration == nullptr ? motor : gear.calibration->axis_at(motor);
 }

@@ -32,13 +32,13 @@ class RigDrives {
   RigDrives(const RigDrives&) = delete;
   RigDrives& operator=(const RigDrives&) = delete;
 
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns);
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
+  void read(std::span<DriveState> states, std::int64_t now_ns);
+  void write(std::span<const Setpoint> setpoints, std::int64_t now_ns);
   void enable();
   void disable();
   void quick_stop();
   /// MotorPort::plan_motor.
-  void plan_motor(std::size_t axis, const Setpoint<double>& told, const Setpoint<double>& motor);
+  void plan_motor(std::size_t axis, const Setpoint& told, const Setpoint& motor);
 
   /// Axis `axis` of the rig stands at `position`, whatever its drive says. Only before the drives are
   /// switched on, or while nothing is sent to them. Throws InputError at an axis whose drive cannot count so
@@ -80,8 +80,8 @@ class RigDrives {
   struct Part {
     std::vector<std::size_t> axes;
     std::unique_ptr<AxisDrives> drives;
-    std::vector<DriveState<double>> states = std::vector<DriveState<double>>(axes.size());
-    std::vector<Setpoint<double>> setpoints = std::vector<Setpoint<double>>(axes.size());
+    std::vector<DriveState> states = std::vector<DriveState>(axes.size());
+    std::vector<Setpoint> setpoints = std::vector<Setpoint>(axes.size());
   };
   /// The drives that a motor of the rig belongs to, and its number among them.
   struct OfPart {
@@ -90,8 +90,8 @@ class RigDrives {
   };
   /// A DrivePort for every motor.
   struct MotorDrives {
-    void read(std::span<DriveState<double>> states, std::int64_t now_ns);
-    void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns);
+    void read(std::span<DriveState> states, std::int64_t now_ns);
+    void write(std::span<const Setpoint> setpoints, std::int64_t now_ns);
     void enable();
     void disable();
     void quick_stop();
@@ -107,9 +107,9 @@ class RigDrives {
   RigHardware& hardware_;
   RigMotors rig_;
   MotorDrives motors_;
-  std::vector<DriveState<double>> states_;
-  std::vector<Setpoint<double>> setpoints_;
-  std::optional<MotorPort<double, MotorDrives>> axes_;  ///< where an axis has a gear
+  std::vector<DriveState> states_;
+  std::vector<Setpoint> setpoints_;
+  std::optional<MotorPort<MotorDrives>> axes_;  ///< where an axis has a gear
   const StepDrives* steps_ = nullptr;
 };
 

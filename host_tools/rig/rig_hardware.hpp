@@ -92,8 +92,8 @@ class ChipInputs {
 class AxisDrives {
  public:
   virtual ~AxisDrives() = default;
-  virtual void read(std::span<DriveState<double>> states, std::int64_t now_ns) = 0;
-  virtual void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) = 0;
+  virtual void read(std::span<DriveState> states, std::int64_t now_ns) = 0;
+  virtual void write(std::span<const Setpoint> setpoints, std::int64_t now_ns) = 0;
   virtual void enable() = 0;
   virtual void disable() = 0;
   virtual void quick_stop() = 0;
@@ -127,13 +127,11 @@ class AxisDrives {
 };
 
 /// The drives behind a DrivePort.
-template <DrivePort<double> Port>
+template <DrivePort Port>
 class PortDrives : public AxisDrives {
  public:
-  void read(std::span<DriveState<double>> states, std::int64_t now_ns) override {
-    port_->read(states, now_ns);
-  }
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t now_ns) override {
+  void read(std::span<DriveState> states, std::int64_t now_ns) override { port_->read(states, now_ns); }
+  void write(std::span<const Setpoint> setpoints, std::int64_t now_ns) override {
     port_->write(setpoints, now_ns);
   }
   void enable() override { port_->enable(); }

@@ -21,7 +21,7 @@ const StepDirDrive& its_drive(const RigAxis& axis) {
   return std::get<StepDirDrive>(axis.drive);
 }
 
-StepSpec<double> spec_of(const StepDirDrive& drive, std::int32_t rate_hz) {
+StepSpec spec_of(const StepDirDrive& drive, std::int32_t rate_hz) {
   return {.steps_per_unit = drive.steps_per_unit,
           .timing = {.pulse_ns = drive.pulse_ns,
                      .pause_ns = drive.pause_ns,
@@ -71,8 +71,8 @@ void StepDrives::add_lanes(Chip& chip) {
     const RigAxis& axis = rig_.axes[a];
     const StepDirDrive* const drive = step_dir_of(axis);
     if (drive == nullptr || drive->chip != chip.label) continue;
-    const StepSpec<double> spec = spec_of(*drive, rig_.rate_hz);
-    const auto generator = value_or_refuse(StepGenerator<double>::make(spec), axis.place, named(axis));
+    const StepSpec spec = spec_of(*drive, rig_.rate_hz);
+    const auto generator = value_or_refuse(StepGenerator::make(spec), axis.place, named(axis));
     chip.lanes.push_back(lanes_.size());
     chip.wires.push_back({.step = bit, .dir = bit + 1, .timing = spec.timing});
     bit += 2;
@@ -112,7 +112,7 @@ void StepDrives::make_port() {
       .rate_hz = rig_.rate_hz, .lead_ns = played_lead_ns(rig_), .max_late_ns = max_late_ns};
   const RigAxis& first = rig_.axes[indices_.front()];
   port_.emplace(
-      value_or_refuse(StepPort<double, ChipOutputs>::make(lanes_, port_chips_, lane_states_, lists_, timing),
+      value_or_refuse(StepPort<ChipOutputs>::make(lanes_, port_chips_, lane_states_, lists_, timing),
                       first.place, named(first)));
 }
 

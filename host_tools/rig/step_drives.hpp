@@ -21,7 +21,7 @@ namespace inbetween {
 void refuse_step_rates(const RigFile& rig);
 
 /// A DrivePort for the step-dir axes of a rig, in the order of indices().
-class StepDrives final : public PortDrives<StepPort<double, ChipOutputs>> {
+class StepDrives final : public PortDrives<StepPort<ChipOutputs>> {
  public:
   /// Takes the lines of all chips and switches nothing on. The rig has such axes. Throws InputError at the
   /// place of what is not there or not allowed; then nothing has changed.
@@ -61,7 +61,7 @@ class StepDrives final : public PortDrives<StepPort<double, ChipOutputs>> {
   const RigFile& rig_;
   std::vector<std::size_t> indices_;
   std::deque<Chip> chips_;
-  std::vector<StepLane<double>> lanes_;
+  std::vector<StepLane> lanes_;
   std::vector<std::vector<StepEdge>> edges_;
   std::vector<StepChip<ChipOutputs>> port_chips_;
   std::vector<StepLaneState> lane_states_;

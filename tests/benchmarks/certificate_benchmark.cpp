@@ -16,8 +16,8 @@ namespace inbetween {
 namespace {
 
 void prove(benchmark::State& state, const MoveSize& size) {
-  const SolvedTrack<double> solution = solved_track(size);
-  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
+  const SolvedTrack solution = solved_track(size);
+  const Move move = Move::make({&solution.track(), 1}, {}).value();
   for (auto _ : state) {
     const BoundedMove bounded(move, {&solution.track(), 1});
     benchmark::DoNotOptimize(bounded.peaks().data());
@@ -29,26 +29,26 @@ BENCHMARK_CAPTURE(prove, large, large)->Name("certificate/100x16")->Unit(benchma
 /// In as many cells as a program takes for so many frames, on a rig whose limits are a quarter above the
 /// peaks.
 void bound_stops(benchmark::State& state, const MoveSize& size) {
-  const SolvedTrack<double> solution = solved_track(size);
-  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
-  const std::vector<AxisPeaks<double>> peaks = BoundedMove(move, {&solution.track(), 1}).peaks();
-  std::vector<AxisLimits<double>> limits;
-  for (const AxisPeaks<double>& axis : peaks) {
-    limits.push_back(AxisLimits<double>::make({.min = -1e4,
-                                               .max = 1e4,
-                                               .max_velocity = 1.25 * axis.velocity.value,
-                                               .max_acceleration = 1.25 * axis.acceleration.value,
-                                               .max_jerk = 1.25 * axis.jerk.value})
+  const SolvedTrack solution = solved_track(size);
+  const Move move = Move::make({&solution.track(), 1}, {}).value();
+  const std::vector<AxisPeaks> peaks = BoundedMove(move, {&solution.track(), 1}).peaks();
+  std::vector<AxisLimits> limits;
+  for (const AxisPeaks& axis : peaks) {
+    limits.push_back(AxisLimits::make({.min = -1e4,
+                                       .max = 1e4,
+                                       .max_velocity = 1.25 * axis.velocity.value,
+                                       .max_acceleration = 1.25 * axis.acceleration.value,
+                                       .max_jerk = 1.25 * axis.jerk.value})
                          .value());
   }
   const auto cells = static_cast<std::size_t>(size.frames);
-  std::vector<StopCell<double>> kept(cells + 1);
+  std::vector<StopCell> kept(cells + 1);
   for (auto _ : state) {
     std::vector<MotionTriple> room(size.axes);
-    write_room<double>(limits, 1, 1.0 / 250, room);
+    write_room(limits, 1, 1.0 / 250, room);
     const BoundedMove bounded(move, {&solution.track(), 1},
                               {.limits = limits, .motors = {}, .cells = cells, .room = std::move(room)});
-    const auto bounds = StopBounds<double>::make({.motion = bounded.cells(), .limits = limits}, kept, {});
+    const auto bounds = StopBounds::make({.motion = bounded.cells(), .limits = limits}, kept, {});
     if (!bounds) throw std::runtime_error(bounds.error().what);
     benchmark::DoNotOptimize(kept.data());
   }

@@ -20,8 +20,8 @@
 namespace inbetween {
 namespace {
 
-void report_speed_error(benchmark::State& state, Subject& subject, const FrameTable<double>& table) {
-  const Track<double> track = subject.make_track();
+void report_speed_error(benchmark::State& state, Subject& subject, const FrameTable& table) {
+  const Track track = subject.make_track();
   state.counters["speed_error"] = measure_speed_deviation(track, table.points()).relative;
 }
 
@@ -37,8 +37,8 @@ void closed_form_positions(benchmark::State& state) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
   std::vector<double> positions((static_cast<std::size_t>(subject.frames()) + 1) * subject.axes());
   for (auto _ : state) {
-    const Track<double> track = subject.make_track();
-    const FrameTable<double> table = subject.closed_form_of(track);
+    const Track track = subject.make_track();
+    const FrameTable table = subject.closed_form_of(track);
     track.path().positions(table.points(), positions);
     benchmark::DoNotOptimize(positions.data());
     benchmark::ClobberMemory();
@@ -49,7 +49,7 @@ BENCHMARK(closed_form_positions)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicro
 void runge_kutta(benchmark::State& state) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(subject.runge_kutta());
-  const FrameTable<double> table = subject.runge_kutta();
+  const FrameTable table = subject.runge_kutta();
   state.counters["integrations"] = table.provenance().integrations;
   report_speed_error(state, subject, table);
 }
@@ -60,7 +60,7 @@ BENCHMARK(runge_kutta)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 /// generator (MMIX).
 class RandomTimes {
  public:
-  [[nodiscard]] FrameTime<double> next() {
+  [[nodiscard]] FrameTime next() {
     state_ = state_ * 6364136223846793005U + 1442695040888963407U;
     return {static_cast<std::int32_t>((state_ >> 32U) * 240U >> 32U),
             static_cast<double>(state_ >> 12U & 0xFFFFFU) * 0x1p-20};
@@ -73,7 +73,7 @@ class RandomTimes {
 /// The position of all axes at one time of the move after another, in random order.
 void tick(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
-  const Track<double> track = subject.make_track();
+  const Track track = subject.make_track();
   RandomTimes times;
   std::vector<double> positions(subject.axes());
   for (auto _ : state) {
@@ -87,8 +87,8 @@ BENCHMARK(tick)->Arg(3)->Arg(16);
 /// The places of all frames alone, in runs that share a span and a piece.
 void frames_in_runs(benchmark::State& state) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
-  const Track<double> track = subject.make_track();
-  std::vector<PathPoint<double>> points(static_cast<std::size_t>(subject.frames()) + 1);
+  const Track track = subject.make_track();
+  std::vector<PathPoint> points(static_cast<std::size_t>(subject.frames()) + 1);
   for (auto _ : state) {
     track.locate_frames(0, points);
     benchmark::DoNotOptimize(points.data());
@@ -100,8 +100,8 @@ BENCHMARK(frames_in_runs)->Arg(240)->Arg(100'000);
 /// The same, each looked up by itself.
 void frames_one_by_one(benchmark::State& state) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
-  const Track<double> track = subject.make_track();
-  std::vector<PathPoint<double>> points(static_cast<std::size_t>(subject.frames()) + 1);
+  const Track track = subject.make_track();
+  std::vector<PathPoint> points(static_cast<std::size_t>(subject.frames()) + 1);
   for (auto _ : state) {
     for (std::size_t i = 0; i < points.size(); ++i)
       points[i] = track.locate({static_cast<std::int32_t>(i), 0});
@@ -114,9 +114,9 @@ BENCHMARK(frames_one_by_one)->Arg(240)->Arg(100'000);
 /// Position, velocity, acceleration and jerk of all axes.
 void motion(benchmark::State& state) {
   Subject subject(8, 7, static_cast<std::size_t>(state.range(0)), 240);
-  const Track<double> track = subject.make_track();
+  const Track track = subject.make_track();
   RandomTimes times;
-  std::vector<AxisMotion<double>> axes(subject.axes());
+  std::vector<AxisMotion> axes(subject.axes());
   for (auto _ : state) {
     benchmark::DoNotOptimize(track.motion(times.next(), axes));
     benchmark::ClobberMemory();
@@ -134,7 +134,7 @@ struct JerkProfile {
     double end = 0;
     for (double& phase_end : ends) phase_end = end += share(random);
     for (double& phase_end : ends) phase_end *= duration / end;
-    AxisMotion<double> at;
+    AxisMotion at;
     for (std::size_t phase = 0; phase < ends.size(); ++phase) {
       positions[phase] = at.position;
       velocities[phase] = at.velocity;
@@ -143,11 +143,11 @@ struct JerkProfile {
       at = in_phase(phase, ends[phase] - (phase > 0 ? ends[phase - 1] : 0));
     }
   }
-  [[nodiscard]] AxisMotion<double> in_phase(std::size_t phase, double t) const {
+  [[nodiscard]] AxisMotion in_phase(std::size_t phase, double t) const {
     const double p = positions[phase], v = velocities[phase], a = accelerations[phase], j = jerks[phase];
     return {p + t * (v + t * (a / 2 + t * j / 6)), v + t * (a + t * j / 2), a + t * j, j};
   }
-  [[nodiscard]] AxisMotion<double> at(double time) const {
+  [[nodiscard]] AxisMotion at(double time) const {
     const auto phase = static_cast<std::size_t>(std::ranges::upper_bound(ends, time) - ends.begin());
     return in_phase(phase, phase > 0 ? time - ends[phase - 1] : time);
   }
@@ -159,9 +159,9 @@ void jerk_profiles(benchmark::State& state) {
   std::mt19937 random(1989);
   const std::array profiles{JerkProfile(random, 240), JerkProfile(random, 240), JerkProfile(random, 240)};
   RandomTimes times;
-  std::vector<AxisMotion<double>> axes(profiles.size());
+  std::vector<AxisMotion> axes(profiles.size());
   for (auto _ : state) {
-    const FrameTime<double> time = times.next();
+    const FrameTime time = times.next();
     for (std::size_t d = 0; d < axes.size(); ++d) axes[d] = profiles[d].at(time.frame + time.fraction);
     benchmark::DoNotOptimize(axes.data());
     benchmark::ClobberMemory();

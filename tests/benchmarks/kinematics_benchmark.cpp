@@ -15,8 +15,8 @@ namespace inbetween {
 namespace {
 
 /// A track, then joints that turn about z and y in turns, 0.5 m apart.
-std::vector<Joint<double>> crane(std::int32_t axes) {
-  std::vector<Joint<double>> joints = {
+std::vector<Joint> crane(std::int32_t axes) {
+  std::vector<Joint> joints = {
       {.kind = JointKind::prismatic, .coordinate = 0, .factor = 1e-3, .axis = {1, 0, 0}}};
   for (std::int32_t i = 1; i < axes; ++i) {
     const bool swings = i % 2 == 1;
@@ -25,22 +25,22 @@ std::vector<Joint<double>> crane(std::int32_t axes) {
                       .coordinate = i,
                       .factor = std::numbers::pi / 180,
                       .origin = {{}, {0.5, 0, 0}},
-                      .axis = swings ? Vector3<double>{0, 0, 1} : Vector3<double>{0, 1, 0}});
+                      .axis = swings ? Vector3{0, 0, 1} : Vector3{0, 1, 0}});
   }
   return joints;
 }
 
 void kinematics_tick(benchmark::State& state) {
   const auto axes = static_cast<std::int32_t>(state.range(0));
-  const std::vector<Joint<double>> joints = crane(axes);
-  std::vector<Joint<double>> memory(joints.size());
-  const auto tree = JointTree<double>::make(joints, axes, memory);
+  const std::vector<Joint> joints = crane(axes);
+  std::vector<Joint> memory(joints.size());
+  const auto tree = JointTree::make(joints, axes, memory);
   if (!tree) throw std::runtime_error(tree.error().what);
-  std::vector<CoordinateMotion<double>> coordinates(joints.size());
+  std::vector<CoordinateMotion> coordinates(joints.size());
   std::vector<double> positions(joints.size());
-  std::vector<LinkMotion<double>> motion(joints.size());
-  std::vector<Pose<double>> poses(joints.size());
-  std::vector<JacobianColumn<double>> jacobian(joints.size());
+  std::vector<LinkMotion> motion(joints.size());
+  std::vector<Pose> poses(joints.size());
+  std::vector<JacobianColumn> jacobian(joints.size());
   double angle = 0;
   for ([[maybe_unused]] auto _ : state) {
     angle = angle < 90 ? angle + 0.01 : 0;
@@ -60,19 +60,19 @@ BENCHMARK(kinematics_tick)->Arg(6);
 
 /// The six positions of a camera crane from the place and the direction of its camera.
 void crane_inverse(benchmark::State& state) {
-  const CameraCrane<double> crane{.track = {1, 0, 0},
-                                  .column = {0, 0, 1},
-                                  .boom = {0, -1, 0},
-                                  .foot = {0, 0, 0.4},
-                                  .level = {0.2, 0, 0.65},
-                                  .raised = {2.5, 0, 0}};
-  const CameraHead<double> head{.pan = {0, 0, 1}, .tilt = {0, -1, 0}, .roll = {1, 0, 0}};
+  const CameraCrane crane{.track = {1, 0, 0},
+                          .column = {0, 0, 1},
+                          .boom = {0, -1, 0},
+                          .foot = {0, 0, 0.4},
+                          .level = {0.2, 0, 0.65},
+                          .raised = {2.5, 0, 0}};
+  const CameraHead head{.pan = {0, 0, 1}, .tilt = {0, -1, 0}, .roll = {1, 0, 0}};
   double angle = 0;
   for ([[maybe_unused]] auto _ : state) {
     angle = angle < 1 ? angle + 0.001 : 0;
     const auto positions = crane_positions(crane, {2 + angle, 1, 1 + angle}, {});
-    const auto turn = turned_about<double>({0, 0, 1}, sine_cosine(angle)) *
-                      turned_about<double>({0, 1, 0}, sine_cosine(angle / 2));
+    const auto turn =
+        turned_about({0, 0, 1}, sine_cosine(angle)) * turned_about({0, 1, 0}, sine_cosine(angle / 2));
     if (!positions) throw std::runtime_error(positions.error().what);
     const auto swung = turned_about(crane.column, sine_cosine(positions->swing));
     auto angles = head_angles(head, inverse(swung) * turn, false);

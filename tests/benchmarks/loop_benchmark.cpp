@@ -108,7 +108,7 @@ class Rig {
     known_.resize(axes);
     frames_.resize(can::frames_per_read(axes));
     lanes_.push_back({&*bus_, &link_, targets_, known_, frames_});
-    port_.emplace(can::Cia402Port<double, ReplayedLink>::make(lanes_, axes_).value());
+    port_.emplace(can::Cia402Port<ReplayedLink>::make(lanes_, axes_).value());
     loop_.emplace(*port_, lines_, room_.memory());
     if (!loop_->load({&plan_.motion(), &playhead_, drive_of_, plan_.limits(), 1.0 / rate_hz}) ||
         !loop_->post(SupervisorEvent::arm)) {
@@ -138,7 +138,7 @@ class Rig {
  private:
   Plan plan_;
   PlannedStops stops_{plan_};
-  Playhead<double> playhead_{plan_.played(), *stops_.bounds(), rate_hz};
+  Playhead playhead_{plan_.played(), *stops_.bounds(), rate_hz};
   std::vector<std::size_t> drive_of_;
   const can::NodeId host_id_ = can::NodeId::make(127).value();
   std::vector<can::Cia402Drive> hosts_;
@@ -150,11 +150,11 @@ class Rig {
   std::vector<can::PortDrive> known_;
   std::vector<can::Frame> frames_;
   std::vector<can::Cia402Lane<ReplayedLink>> lanes_;
-  std::vector<can::Cia402Axis<double>> axes_;
-  std::optional<can::Cia402Port<double, ReplayedLink>> port_;
+  std::vector<can::Cia402Axis> axes_;
+  std::optional<can::Cia402Port<ReplayedLink>> port_;
   SimulatedLines lines_;
   LoopStorage room_;
-  std::optional<MotionLoop<double, can::Cia402Port<double, ReplayedLink>, SimulatedLines>> loop_;
+  std::optional<MotionLoop<can::Cia402Port<ReplayedLink>, SimulatedLines>> loop_;
   std::int64_t now_ns_ = 0;
 };
 

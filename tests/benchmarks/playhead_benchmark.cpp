@@ -27,26 +27,26 @@ class Subject {
   Subject(std::size_t keys, std::size_t axes)
       : axes_(axes),
         solution_(solved(keys, axes)),
-        move_(Move<double>::make({&solution_.track(), 1}, {}).value()),
+        move_(Move::make({&solution_.track(), 1}, {}).value()),
         fitted_(solution_.track()),
         trajectory_(*fitted_),
         motion_(PlayedMotion::make(move_, {&trajectory_, 1}).value()) {
-    const std::vector<AxisPeaks<double>> peaks = BoundedMove(move_, {&solution_.track(), 1}).peaks();
-    for (const AxisPeaks<double>& axis : peaks) {
-      limits_.push_back(AxisLimits<double>::make({.min = -1e4,
-                                                  .max = 1e4,
-                                                  .max_velocity = 1.25 * axis.velocity.value,
-                                                  .max_acceleration = 1.25 * axis.acceleration.value,
-                                                  .max_jerk = 1.25 * axis.jerk.value})
+    const std::vector<AxisPeaks> peaks = BoundedMove(move_, {&solution_.track(), 1}).peaks();
+    for (const AxisPeaks& axis : peaks) {
+      limits_.push_back(AxisLimits::make({.min = -1e4,
+                                          .max = 1e4,
+                                          .max_velocity = 1.25 * axis.velocity.value,
+                                          .max_acceleration = 1.25 * axis.acceleration.value,
+                                          .max_jerk = 1.25 * axis.jerk.value})
                             .value());
     }
     const auto cells = static_cast<std::size_t>(move_.frames());
     cells_.resize(cells + 1);
     std::vector<MotionTriple> room(axes);
-    write_room<double>(limits_, 1, 1.0 / rate_hz, room);
+    write_room(limits_, 1, 1.0 / rate_hz, room);
     const BoundedMove bounded(move_, {&solution_.track(), 1},
                               {.limits = limits_, .motors = {}, .cells = cells, .room = std::move(room)});
-    const auto bounds = StopBounds<double>::make(
+    const auto bounds = StopBounds::make(
         {.motion = bounded.cells(), .limits = limits_, .tick_seconds = 1.0 / rate_hz}, cells_, {});
     if (!bounds) throw std::runtime_error(bounds.error().what);
     bounds_ = *bounds;
@@ -54,13 +54,13 @@ class Subject {
   Subject(const Subject&) = delete;
   Subject& operator=(const Subject&) = delete;
 
-  [[nodiscard]] const Move<double>& move() const { return move_; }
+  [[nodiscard]] const Move& move() const { return move_; }
   [[nodiscard]] const PlayedMotion& motion() const { return motion_; }
   [[nodiscard]] std::size_t axes() const { return axes_; }
-  [[nodiscard]] const StopBounds<double>& bounds() const { return *bounds_; }
+  [[nodiscard]] const StopBounds& bounds() const { return *bounds_; }
 
  private:
-  static SolvedTrack<double> solved(std::size_t keys, std::size_t axes) {
+  static SolvedTrack solved(std::size_t keys, std::size_t axes) {
     std::mt19937 random(1989);
     std::uniform_real_distribution<double> coordinate(0.0, 100.0);
     std::uniform_real_distribution<double> height(1.0, 20.0);
@@ -69,23 +69,23 @@ class Subject {
     std::vector<double> speed(keys);
     for (double& value : speed) value = height(random);
     speed[0] = speed[1] = speed[keys - 2] = speed[keys - 1] = 0;
-    const TrackSpec<double> spec{.path = {.axis_count = static_cast<std::int32_t>(axes), .keys = at},
-                                 .control_values = speed,
-                                 .frames = static_cast<std::int32_t>(24 * keys),
-                                 .fps = {24, 1},
-                                 .arc_length = {}};
+    const TrackSpec spec{.path = {.axis_count = static_cast<std::int32_t>(axes), .keys = at},
+                         .control_values = speed,
+                         .frames = static_cast<std::int32_t>(24 * keys),
+                         .fps = {24, 1},
+                         .arc_length = {}};
     return {spec, Solver::closed_form};
   }
 
   std::size_t axes_;
-  SolvedTrack<double> solution_;
-  Move<double> move_;
+  SolvedTrack solution_;
+  Move move_;
   FittedTrajectory fitted_;
   Trajectory trajectory_;
   PlayedMotion motion_;
-  std::vector<AxisLimits<double>> limits_;
-  std::vector<StopCell<double>> cells_;
-  std::optional<StopBounds<double>> bounds_;
+  std::vector<AxisLimits> limits_;
+  std::vector<StopCell> cells_;
+  std::optional<StopBounds> bounds_;
 };
 
 Subject subject_of(benchmark::State& state) {
@@ -96,7 +96,7 @@ Subject subject_of(benchmark::State& state) {
 /// Time runs evenly, to and fro.
 void playhead_tick(benchmark::State& state) {
   const Subject subject = subject_of(state);
-  Playhead<double> playhead(subject.move(), subject.bounds(), rate_hz);
+  Playhead playhead(subject.move(), subject.bounds(), rate_hz);
   playhead.set_repeat(Repeat::ping_pong);
   if (!playhead.play(Direction::forward)) {
     throw std::runtime_error("not played");
@@ -114,7 +114,7 @@ BENCHMARK(playhead_tick)->Arg(3)->Arg(16);
 /// Between rest and the drawn speed, again and again, from one end to the other and back.
 void playhead_ramp(benchmark::State& state) {
   const Subject subject = subject_of(state);
-  Playhead<double> playhead(subject.move(), subject.bounds(), rate_hz);
+  Playhead playhead(subject.move(), subject.bounds(), rate_hz);
   std::vector<double> positions(subject.axes());
   Direction direction = Direction::forward;
   for (auto _ : state) {

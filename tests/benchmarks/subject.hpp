@@ -41,22 +41,18 @@ class Subject {
     segments_.resize(keys + 1);
   }
 
-  [[nodiscard]] Track<double> make_track() {
-    const Path<double> path = *Path<double>::make(
-        {.spline = Spline::tcb, .axis_count = static_cast<std::int32_t>(axes_), .keys = keys_},
-        {cubics_, weights_});
-    const ArcLength<double> arc_length =
-        *ArcLength<double>::make(path, {}, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
-    const SpeedProfile<double> profile = *SpeedProfile<double>::make(control_values_, {spans_, integrals_});
-    return *Track<double>::make(path, arc_length, profile, frames_, {24, 1}, {span_distances_});
+  [[nodiscard]] Track make_track() {
+    const Path path =
+        *Path::make({.spline = Spline::tcb, .axis_count = static_cast<std::int32_t>(axes_), .keys = keys_},
+                    {cubics_, weights_});
+    const ArcLength arc_length =
+        *ArcLength::make(path, {}, {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
+    const SpeedProfile profile = *SpeedProfile::make(control_values_, {spans_, integrals_});
+    return *Track::make(path, arc_length, profile, frames_, {24, 1}, {span_distances_});
   }
-  [[nodiscard]] FrameTable<double> closed_form_of(const Track<double>& track) {
-    return *closed_form_table<double>(track, points_);
-  }
-  [[nodiscard]] FrameTable<double> closed_form() { return closed_form_of(make_track()); }
-  [[nodiscard]] FrameTable<double> runge_kutta() {
-    return *runge_kutta_table<double>(make_track(), {}, segments_, points_);
-  }
+  [[nodiscard]] FrameTable closed_form_of(const Track& track) { return *closed_form_table(track, points_); }
+  [[nodiscard]] FrameTable closed_form() { return closed_form_of(make_track()); }
+  [[nodiscard]] FrameTable runge_kutta() { return *runge_kutta_table(make_track(), {}, segments_, points_); }
   [[nodiscard]] std::size_t axes() const { return axes_; }
   [[nodiscard]] std::int32_t frames() const { return frames_; }
 
@@ -64,14 +60,14 @@ class Subject {
   std::size_t axes_;
   std::int32_t frames_;
   std::vector<double> keys_, control_values_, weights_, begins_;
-  std::vector<Cubic<double>> cubics_;
-  std::vector<ArcPiece<double>> pieces_;
+  std::vector<Cubic> cubics_;
+  std::vector<ArcPiece> pieces_;
   std::vector<std::int32_t> buckets_, first_pieces_;
-  std::vector<TwoSum<double>> segment_begins_, integrals_;
-  std::vector<SpanDistance<double>> span_distances_;
-  std::vector<SpeedSpan<double>> spans_;
-  std::vector<PathPoint<double>> points_;
-  std::vector<OdeSegment<double>> segments_;
+  std::vector<TwoSum> segment_begins_, integrals_;
+  std::vector<SpanDistance> span_distances_;
+  std::vector<SpeedSpan> spans_;
+  std::vector<PathPoint> points_;
+  std::vector<OdeSegment> segments_;
 };
 
 /// A short move as an animator makes it: 8 keys, 7 control values. A long one: 100 keys, 64.

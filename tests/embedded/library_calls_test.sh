@@ -1,24 +1,22 @@
 #!/usr/bin/env bash
-# The tick calls nothing of a library, on a Cortex-M4F in single and on a Cortex-M7 in either precision; and
-# library_calls.sh would see it: on a Cortex-M4F double precision is the library's.
+# The tick of counts calls nothing of a library, and on a Cortex-M7 the other ticks do not either; and library_calls.sh
+# would see it: on a Cortex-M4F double precision is the library's.
 #
 #   library_calls_test.sh OBJDUMP CORTEX_M4F_PROGRAM CORTEX_M7_PROGRAM
 set -euo pipefail
 check=$(dirname "${BASH_SOURCE[0]}")/library_calls.sh
 objdump=$1 m4f=$2 m7=$3
 # Scaling by a power of two, on the way to the distance in a move timed by frames; a few integer instructions.
-scaling='(frexp|ldexp|scalbn|copysign|finite)f|__errno'
+scaling='(frexp|ldexp|scalbn|copysign|finite)f?|__errno'
 # The playhead counts in 64-bit integers, which the library divides and converts (to doubles by adding doubles), and
 # copies what it travels with.
 integers='__aeabi_([fd]2u?lz|l2[fd]|ldivmod|idiv0)|__udivmoddi4|mem(set|cpy)'
 
 "$check" "$objdump" "$m4f" '' tick_trajectory_counts
-"$check" "$objdump" "$m4f" "$scaling" tick_positions_float
-"$check" "$objdump" "$m4f" "$scaling|$integers|floorf" tick_playhead_float
 "$check" "$objdump" "$m7" '' tick_trajectory_counts
-"$check" "$objdump" "$m7" "${scaling/)f/)f?}" tick_positions_float tick_positions_double
-"$check" "$objdump" "$m7" "${scaling/)f/)f?}|$integers|__adddf3" tick_playhead_float tick_playhead_double
-for function in tick_positions_double tick_playhead_double; do
+"$check" "$objdump" "$m7" "$scaling" tick_positions
+"$check" "$objdump" "$m7" "$scaling|$integers|__adddf3" tick_playhead
+for function in tick_positions tick_playhead; do
   calls=$("$check" "$objdump" "$m4f" '' "$function") && {
     printf 'FAILED: %s passes, although the processor cannot add doubles\n' "$function"
     exit 1

@@ -34,8 +34,8 @@ void expect_plan_near_golden(const Plan& plan, const std::vector<GoldenRow>& gol
   const std::vector<DrawnTrack> drawn = read_drawn_tracks(plan.move().path);
   std::size_t next = 0;
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
-    const Track<double>& track = plan.tracks()[t].track();
-    const FrameTable<double>& table = plan.tracks()[t].table();
+    const Track& track = plan.tracks()[t].track();
+    const FrameTable& table = plan.tracks()[t].table();
     const oracle::Path path(drawn[t].keys);
     for (std::int32_t frame = 0; frame <= plan.move().frames; ++frame, ++next) {
       ASSERT_LT(next, golden.size());
@@ -43,7 +43,7 @@ void expect_plan_near_golden(const Plan& plan, const std::vector<GoldenRow>& gol
       ASSERT_EQ(row.track, static_cast<int>(t));
       ASSERT_EQ(row.frame, frame);
       SCOPED_TRACE(fmt::format("track {}, frame {}", t, frame));
-      const PathPoint<double>& point = table.point(frame);
+      const PathPoint& point = table.point(frame);
       // Steps that are each off by `error` of their length put no frame further off than `error` of its
       // distance, and none of those after it: both ends are met.
       const double length = track.arc_length().total();
@@ -87,7 +87,7 @@ TEST_P(GoldenTable, ClosedFormIsWithinDelta) {
 TEST_P(GoldenTable, ThePapersSolverIsWithinTheErrorThatItReports) {
   const Plan plan(read_move_file(example_file(GetParam())), std::nullopt, {.solver = Solver::runge_kutta});
   double error = 0;
-  for (const SolvedTrack<double>& solved : plan.tracks()) {
+  for (const SolvedTrack& solved : plan.tracks()) {
     error = std::max(error, solved.table().provenance().speed_error);
   }
   EXPECT_LE(error, 0.02);

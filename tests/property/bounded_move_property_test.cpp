@@ -22,16 +22,16 @@ namespace bounded_move_property_test {
 
 constexpr int many_files = 3000;
 
-FrameTime<double> time_at(double frame) {
+FrameTime time_at(double frame) {
   const double whole = std::floor(frame);
   return {static_cast<std::int32_t>(whole), frame - whole};
 }
 
-MotionTriple magnitudes(const AxisMotion<double>& motion) {
+MotionTriple magnitudes(const AxisMotion& motion) {
   return {std::fabs(motion.velocity), std::fabs(motion.acceleration), std::fabs(motion.jerk)};
 }
 
-std::array<Peak<double>, motion_quantities> peaks_of(const AxisPeaks<double>& axis) {
+std::array<Peak, motion_quantities> peaks_of(const AxisPeaks& axis) {
   return {axis.velocity, axis.acceleration, axis.jerk};
 }
 
@@ -51,8 +51,8 @@ class Comparison {
 
   void compare() {
     ++counts_.planned;
-    std::vector<AxisMotion<double>> motion(plan_.played().axis_count());
-    const Move<double>& move = plan_.played();
+    std::vector<AxisMotion> motion(plan_.played().axis_count());
+    const Move& move = plan_.played();
     for (int k = 0; k < 200; ++k) {
       const double share = (k + 0.31830988) / 200;
       const double frame = move.first_frame() + share * (move.last_frame() - move.first_frame());
@@ -66,13 +66,13 @@ class Comparison {
  private:
   /// What the rounding of a position makes of a derivative on a piece of a hundredth of a frame.
   [[nodiscard]] double noise(std::size_t d, std::size_t q) const {
-    const AxisPeaks<double>& peaks = bounded_.peaks()[d];
+    const AxisPeaks& peaks = bounded_.peaks()[d];
     const double size = std::max(std::fabs(peaks.lowest.value), std::fabs(peaks.highest.value)) + 1e-3;
     return 1e-11 * size *
            std::pow(plan_.played().frame_rate().frames_per_second(), static_cast<double>(q + 1));
   }
-  void expect_within(std::size_t d, double frame, const AxisMotion<double>& motion) {
-    const AxisPeaks<double>& peaks = bounded_.peaks()[d];
+  void expect_within(std::size_t d, double frame, const AxisMotion& motion) {
+    const AxisPeaks& peaks = bounded_.peaks()[d];
     const double way = 1e-9 * (peaks.highest.value - peaks.lowest.value) + 1e-12 * std::fabs(motion.position);
     EXPECT_GE(motion.position, peaks.lowest.value - way) << "axis " << d << " at " << frame << '\n' << text_;
     EXPECT_LE(motion.position, peaks.highest.value + way) << "axis " << d << " at " << frame << '\n' << text_;
@@ -85,7 +85,7 @@ class Comparison {
     }
   }
   void expect_reached(std::size_t d) {
-    std::vector<AxisMotion<double>> motion(plan_.played().axis_count());
+    std::vector<AxisMotion> motion(plan_.played().axis_count());
     const auto most = peaks_of(bounded_.peaks()[d]);
     for (std::size_t q = 0; q < most.size(); ++q) {
       if (!std::isfinite(most[q].value)) continue;
@@ -101,8 +101,8 @@ class Comparison {
   void compare_asked() {
     std::size_t first = 0;
     const WholeFrames part = plan_.part();
-    for (const SolvedTrack<double>& solved : plan_.tracks()) {
-      std::vector<AxisMotion<double>> motion(static_cast<std::size_t>(solved.track().path().axis_count()));
+    for (const SolvedTrack& solved : plan_.tracks()) {
+      std::vector<AxisMotion> motion(static_cast<std::size_t>(solved.track().path().axis_count()));
       for (int k = 0; k < 100; ++k) {
         const double frame = part.first + (k + 0.31830988) / 100 * (part.last - part.first);
         static_cast<void>(solved.track().motion(time_at(frame), motion));
@@ -139,7 +139,7 @@ bool compare(int number, Counts& counts) {
   }
 }
 
-AxisPeaks<double> peaks_of_axis(const std::string& text, std::size_t axis) {
+AxisPeaks peaks_of_axis(const std::string& text, std::size_t axis) {
   const Plan plan(parse_move(text, "move.toml"), std::nullopt, {});
   return BoundedMove(plan.played(), plan.track_views()).peaks()[axis];
 }

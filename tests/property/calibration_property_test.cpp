@@ -19,7 +19,7 @@
 namespace inbetween {
 namespace calibration_property_test {
 
-using Marks = std::vector<CalibrationMark<double>>;
+using Marks = std::vector<CalibrationMark>;
 
 double any_number(double low, double high) {
   constexpr int steps = 1'000'000;
@@ -38,7 +38,7 @@ Marks any_marks(double low, double high) {
                      marks.back().motor + direction * step * std::pow(2, any_number(-1.5, 1.5))});
   }
   const double scale = (high - low) / marks.back().axis;
-  for (CalibrationMark<double>& mark : marks) {
+  for (CalibrationMark& mark : marks) {
     mark.axis = low + scale * mark.axis;
     mark.motor *= high - low;
   }
@@ -48,7 +48,7 @@ Marks any_marks(double low, double high) {
 
 oracle::MarkCurve oracle_of(const Marks& marks) {
   std::vector<long double> x, y;
-  for (const CalibrationMark<double>& mark : marks) {
+  for (const CalibrationMark& mark : marks) {
     x.push_back(mark.axis);
     y.push_back(mark.motor);
   }
@@ -60,8 +60,8 @@ TEST(CalibrationProperty, TheCurveIsTheNaturalSplineAndComesBackToTheAxis) {
     const double low = any_number(-100, 100);
     const double high = low + any_number(0.01, 1000);
     const Marks marks = any_marks(low, high);
-    std::vector<CalibrationPiece<double>> pieces(marks.size() + 1);
-    const auto made = Calibration<double>::make(marks, pieces);
+    std::vector<CalibrationPiece> pieces(marks.size() + 1);
+    const auto made = Calibration::make(marks, pieces);
     const oracle::MarkCurve curve = oracle_of(marks);
     const double size = std::fabs(marks.back().motor) + std::fabs(marks.front().motor);
     const double way = high - low;
@@ -94,7 +94,7 @@ TEST(CalibrationProperty, TheCurveIsTheNaturalSplineAndComesBackToTheAxis) {
       bend = std::max(bend, std::fabs(second));
       third = std::max(third, std::fabs(jump));
     }
-    const CalibrationSlope<double> bounds = made->bounds(from, to);
+    const CalibrationSlope bounds = made->bounds(from, to);
     RC_ASSERT(bounds.first >= steepest * (1 - 1e-9L));
     RC_ASSERT(bounds.second >= bend * (1 - 1e-9L) - 1e-9L * size / way / way);
     RC_ASSERT(bounds.third >= third * (1 - 1e-9L) - 1e-9L * size / way / way / way);
@@ -111,7 +111,7 @@ std::optional<Plan> calibrated(const Plan& plan, std::size_t axis, double share)
   calibration.curve = std::make_shared<const CalibrationCurve>(calibration.marks);
   if (!calibration.curve->curve()) return std::nullopt;
   its.calibration = calibration;
-  const CalibrationSlope<double> slope = calibration.motor().bounds(its.min, its.max);
+  const CalibrationSlope slope = calibration.motor().bounds(its.min, its.max);
   const double jerk = its.max_jerk.value_or(10 * its.max_acceleration);
   const auto most = motor_motion(slope, {its.max_velocity, its.max_acceleration, jerk});
   its.motor_limits = MotorLimits{.max_velocity = share * most[0],
@@ -133,13 +133,12 @@ using Quantities = std::array<double, 4>;
 const PlayedMotor& motor_of(const Plan& plan) {
   return plan.motion().motors().front();
 }
-Quantities played_at(const Plan& plan, const FrameTime<double>& time) {
-  const AxisMotion<double> motion = plan.motion().motion_of(motor_of(plan), time);
+Quantities played_at(const Plan& plan, const FrameTime& time) {
+  const AxisMotion motion = plan.motion().motion_of(motor_of(plan), time);
   return {motion.position, motion.velocity, motion.acceleration, motion.jerk};
 }
-Quantities asked_at(const Plan& plan, std::size_t d, const oracle::MarkCurve& curve,
-                    const FrameTime<double>& time) {
-  std::vector<AxisMotion<double>> motion(plan.played().axis_count());
+Quantities asked_at(const Plan& plan, std::size_t d, const oracle::MarkCurve& curve, const FrameTime& time) {
+  std::vector<AxisMotion> motion(plan.played().axis_count());
   plan.motion().motion(time, motion);
   const auto [p, v, a, j] = std::array<long double, 4>{motion[d].position, motion[d].velocity,
                                                        motion[d].acceleration, motion[d].jerk};
@@ -151,7 +150,7 @@ Quantities asked_at(const Plan& plan, std::size_t d, const oracle::MarkCurve& cu
 /// The trajectories of a motor, with what is played of each.
 struct PlayedStretch {
   const Trajectory* trajectory;
-  FrameTime<double> from, to;
+  FrameTime from, to;
 };
 std::vector<PlayedStretch> stretches_of(const Plan& plan) {
   const PlayedMotor& motor = motor_of(plan);
@@ -169,12 +168,12 @@ std::array<double, 3> dense_peaks(const Plan& plan) {
   for (const PlayedStretch& stretch : stretches_of(plan)) {
     const Trajectory& trajectory = *stretch.trajectory;
     for (std::size_t i = 0; i < trajectory.pieces().size(); ++i) {
-      const FrameTime<double> from = std::max(trajectory.pieces()[i].begin, stretch.from);
-      const FrameTime<double> to = std::min(trajectory.end_of(i), stretch.to);
+      const FrameTime from = std::max(trajectory.pieces()[i].begin, stretch.from);
+      const FrameTime to = std::min(trajectory.end_of(i), stretch.to);
       if (!(from < to)) continue;
       const double frames = frames_between(from, to);
       for (int k = 0; k < samples; ++k) {
-        const AxisMotion<double> at = trajectory.motion_of(0, moved_by(from, frames * k / samples));
+        const AxisMotion at = trajectory.motion_of(0, moved_by(from, frames * k / samples));
         most[0] = std::max(most[0], std::fabs(at.velocity));
         most[1] = std::max(most[1], std::fabs(at.acceleration));
         most[2] = std::max(most[2], std::fabs(at.jerk));
@@ -226,7 +225,7 @@ TEST(CalibrationProperty, AMotorPlaysWhatItsCalibrationMakesOfTheAxis) {
     for (int i = 0; i < 1000; ++i) {
       const double frame = first + any_number(0, 1) * (last - first);
       const auto whole = static_cast<std::int32_t>(std::floor(frame));
-      const FrameTime<double> time{whole, frame - whole};
+      const FrameTime time{whole, frame - whole};
       const Quantities played = played_at(*plan, time), asked = asked_at(*plan, d, curve, time);
       for (std::size_t n = 0; n < 4; ++n) off[n] = std::max(off[n], std::fabs(played[n] - asked[n]));
     }
@@ -234,7 +233,7 @@ TEST(CalibrationProperty, AMotorPlaysWhatItsCalibrationMakesOfTheAxis) {
     // The rounding of a position far from 0, of the axis or of the motor.
     double rounding = 0;
     const double slope = std::fabs(slope_of(marks));
-    for (const CalibrationMark<double>& mark : {marks.front(), marks.back()})
+    for (const CalibrationMark& mark : {marks.front(), marks.back()})
       rounding += 1e-12 * (std::fabs(mark.motor) + slope * std::fabs(mark.axis));
     RC_ASSERT(off[0] <= 2 * std::ldexp(way_of(*plan, d, marks), -30) + rounding);
     RC_ASSERT(off[1] <= 2e-6 * peaks[0] + 1e3 * rounding);
@@ -307,9 +306,9 @@ TEST(CalibrationProperty, WhatIsProvenOfAMotorIsWhatADenseSearchFinds) {
     for (int i = 0; i < 1000; ++i) {
       const double frame = first + any_number(0, 1) * (last - first);
       const auto whole = static_cast<std::int32_t>(std::floor(frame));
-      const FrameTime<double> time{whole, frame - whole};
+      const FrameTime time{whole, frame - whole};
       const Quantities q = played_at(*plan, time);
-      const StopBound<double> bound = report.planned_stops->bounds()->at(time);
+      const StopBound bound = report.planned_stops->bounds()->at(time);
       constexpr double rounding = 1 + 1e-6;
       RC_ASSERT(std::fabs(q[2]) + std::fabs(q[1]) * bound.rate_change <= limits.stop_acceleration * rounding);
       if (!limits.stop_jerk) continue;

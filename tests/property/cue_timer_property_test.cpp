@@ -62,10 +62,10 @@ struct ExpectedPulse {
 /// Which pulses begin when.
 class Oracle {
  public:
-  Oracle(const std::vector<TimedPulse<double>>& pulses) : pulses_(pulses), is_armed_(pulses.size(), 1) {}
+  Oracle(const std::vector<TimedPulse>& pulses) : pulses_(pulses), is_armed_(pulses.size(), 1) {}
 
   void arm_all() { std::fill(is_armed_.begin(), is_armed_.end(), char{1}); }
-  [[nodiscard]] static long double place_of(const TimedPulse<double>& pulse) {
+  [[nodiscard]] static long double place_of(const TimedPulse& pulse) {
     return static_cast<long double>(pulse.at.frame) + static_cast<long double>(pulse.at.fraction);
   }
   /// From one place to another, `unfold` of which is the motion's.
@@ -86,7 +86,7 @@ class Oracle {
   std::vector<ExpectedPulse> expected;
 
  private:
-  const std::vector<TimedPulse<double>>& pulses_;
+  const std::vector<TimedPulse>& pulses_;
   std::vector<char> is_armed_;
 };
 
@@ -94,15 +94,15 @@ double share() {
   return *rc::gen::inRange(0, 10'001) / 10'000.0;
 }
 
-FrameTime<double> frame_time(long double place) {
+FrameTime frame_time(long double place) {
   const long double whole = std::floor(place);
   const auto fraction = static_cast<double>(place - whole);
   if (fraction >= 1) return {static_cast<std::int32_t>(whole) + 1, 0};  // it is rounded up
   return {static_cast<std::int32_t>(whole), fraction};
 }
 
-std::vector<TimedPulse<double>> random_pulses() {
-  std::vector<TimedPulse<double>> pulses;
+std::vector<TimedPulse> random_pulses() {
+  std::vector<TimedPulse> pulses;
   const int count = *rc::gen::inRange(1, 30);
   for (int i = 0; i < count; ++i) {
     const std::int32_t frame = *rc::gen::inRange(0, last_frame + 1);
@@ -132,7 +132,7 @@ class Play {
  public:
   Play() : pulses_(random_pulses()), oracle_(pulses_) {
     tick_ns_ = *rc::gen::element<std::int64_t>(250'000, 1'000'000, 4'000'000, 4'166'666, 10'000'000);
-    const auto timer = CueTimer<double>::make(pulses_, 0, last_frame, fps_);
+    const auto timer = CueTimer::make(pulses_, 0, last_frame, fps_);
     RC_ASSERT(timer);
     timer_.push_back(*timer);
     place_ = *rc::gen::inRange(0, last_frame + 1);
@@ -154,7 +154,7 @@ class Play {
       const auto off_ns = std::fabs(static_cast<double>(expected.at_ns - begun_[i].at_ns));
       RC_ASSERT(off_ns < microsecond_ns);
       RC_ASSERT(pulses_[begun_[i].pulse].at == pulses_[expected.pulse].at);
-      const TimedPulse<double>& pulse = pulses_[begun_[i].pulse];
+      const TimedPulse& pulse = pulses_[begun_[i].pulse];
       spans[static_cast<std::size_t>(pulse.line)].emplace_back(begun_[i].at_ns,
                                                                begun_[i].at_ns + pulse.width_ns);
     }
@@ -249,13 +249,13 @@ class Play {
       }
     }
     const long double fps = static_cast<long double>(fps_.frames_per_second());
-    const CueTick<double> tick{.from = {frame_time(place_), static_cast<double>(motion.rate / fps),
-                                        static_cast<double>(motion.change / fps)},
-                               .to = {frame_time(to), static_cast<double>(after.rate / fps),
-                                      static_cast<double>(after.change / fps)},
-                               .repeated = repeated,
-                               .start_ns = now_ns_,
-                               .end_ns = now_ns_ + length_ns};
+    const CueTick tick{.from = {frame_time(place_), static_cast<double>(motion.rate / fps),
+                                static_cast<double>(motion.change / fps)},
+                       .to = {frame_time(to), static_cast<double>(after.rate / fps),
+                              static_cast<double>(after.change / fps)},
+                       .repeated = repeated,
+                       .start_ns = now_ns_,
+                       .end_ns = now_ns_ + length_ns};
     keep(timer_[0].advance(tick, {begun_room_, instants_}), tick.start_ns, tick.end_ns);
     now_ns_ += length_ns;
     // Both go on from the place that the timer was told.
@@ -265,7 +265,7 @@ class Play {
   void go(long double from, long double to, const Motion& motion, long double tick_s, long double start_ns,
           Unfold unfold, bool forward) {
     // The place is told to the timer as a double.
-    const FrameTime<double> told = frame_time(to);
+    const FrameTime told = frame_time(to);
     oracle_.go(from, static_cast<long double>(told.frame) + static_cast<long double>(told.fraction), motion,
                tick_s, start_ns, unfold, forward);
   }
@@ -285,9 +285,9 @@ class Play {
   }
 
   FrameRate fps_{24, 1};
-  std::vector<TimedPulse<double>> pulses_;
+  std::vector<TimedPulse> pulses_;
   Oracle oracle_;
-  std::vector<CueTimer<double>> timer_;
+  std::vector<CueTimer> timer_;
   std::vector<BegunPulse> begun_room_ = std::vector<BegunPulse>(room);
   std::vector<EdgeInstant> instants_ = std::vector<EdgeInstant>(instants_for(room));
   std::int64_t tick_ns_ = 0;

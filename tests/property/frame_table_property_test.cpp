@@ -20,9 +20,9 @@ void expect_speed_as_drawn(const RandomMove& move, const std::vector<double>& de
   const oracle::Path path(move.keys);
   const oracle::Profile profile(move.speed);
   for (const double delta : deltas) {
-    TrackInput<double> input(move);
+    TrackInput input(move);
     input.spec.arc_length = {.delta = delta, .acceptance = acceptance};
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
     const auto places = oracle_places(solved.track(), solved.table());
     const oracle::SpeedError error =
         oracle::worst_speed_error(path, profile, move.frames, places, static_cast<long double>(delta));
@@ -50,9 +50,9 @@ TEST(FrameTableProperty, SpeedIsAsDrawnWithACertifiedInverse) {
 
 TEST(FrameTableProperty, FirstAndLastFrameAreTheKeysToTheLastBit) {
   check_property(many_moves, [](const RandomMove& move) {
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Path<double>& path = solved.track().path();
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const Path& path = solved.track().path();
     const auto axes = static_cast<std::size_t>(path.axis_count());
     std::vector<double> first(axes);
     std::vector<double> last(axes);
@@ -70,11 +70,11 @@ TEST(FrameTableProperty, FirstAndLastFrameAreTheKeysToTheLastBit) {
 
 TEST(FrameTableProperty, ARowIsWhatTheTickEvaluatesAtThatFrame) {
   check_property(1000, [](const RandomMove& move) {
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
     for (std::int32_t frame = 0; frame <= move.frames; ++frame) {
-      const PathPoint<double> row = solved.table().point(frame);
-      const PathPoint<double> tick = solved.track().locate({frame, 0});
+      const PathPoint row = solved.table().point(frame);
+      const PathPoint tick = solved.track().locate({frame, 0});
       const double apart = (row.segment - tick.segment) + (row.t - tick.t);
       RC_ASSERT(apart >= 0.0);
       RC_ASSERT(apart <= 4e-15);

@@ -114,8 +114,8 @@ Chain random_crane(const CraneKind& kind, Random& random) {
 
 /// What the link does in this pose, as a target that asks for it.
 TipTarget target_of(const OraclePose& pose, double distance) {
-  const auto vector = [](const Numbers& v) { return Vector3<double>{v[0], v[1], v[2]}; };
-  const Vector3<double> position = vector(pose.position);
+  const auto vector = [](const Numbers& v) { return Vector3{v[0], v[1], v[2]}; };
+  const Vector3 position = vector(pose.position);
   return {.position = position,
           .aim = position + vector(pose.columns[0]) * distance,
           .roll = std::atan2(pose.columns[1][2], pose.columns[2][2])};
@@ -223,20 +223,18 @@ TEST(InverseProperty, DampedLeastSquaresFindsThePoseThatItBeganBesideAndGoesOnWi
     RC_ASSERT(difference(oracle.pose(chain.last(), solution.positions), wanted, true) <= 1e-9);
     // The link moves as its target does.
     const TipTargetRate rate{
-        .position = Vector3<double>{0.3, -0.2, 0.1}, .aim = Vector3<double>{0.1, 0.2, -0.4}, .roll = 0.7};
+        .position = Vector3{0.3, -0.2, 0.1}, .aim = Vector3{0.1, 0.2, -0.4}, .roll = 0.7};
     if (solver.freedom(target, solution.positions, 6).smallest < 1e-3) return;
     const std::vector<double> rates = solver.rates(target, rate, solution.positions);
     std::vector<double> next = solution.positions;
     constexpr double step = 1e-6;
     for (std::size_t i = 0; i < next.size(); ++i) next[i] += step * rates[i];
     const TipTarget moved = target_of(oracle.pose(chain.last(), next), 1);
-    const auto along = [&](const Vector3<double>& from, const Vector3<double>& by) {
-      return from + by * step;
-    };
-    const Vector3<double> way = *moved.position - along(*target.position, *rate.position);
+    const auto along = [&](const Vector3& from, const Vector3& by) { return from + by * step; };
+    const Vector3 way = *moved.position - along(*target.position, *rate.position);
     RC_ASSERT(std::sqrt(dot(way, way)) <= 1e-7);
-    const Vector3<double> sight = along(*target.aim, *rate.aim) - *moved.position;
-    const Vector3<double> off = cross(sight, *moved.aim - *moved.position);
+    const Vector3 sight = along(*target.aim, *rate.aim) - *moved.position;
+    const Vector3 off = cross(sight, *moved.aim - *moved.position);
     RC_ASSERT(std::sqrt(dot(off, off) / dot(sight, sight)) <= 1e-7);
     RC_ASSERT(std::fabs(std::remainder(*moved.roll - *target.roll - *rate.roll * step, 2 * pi)) <= 1e-7);
   });

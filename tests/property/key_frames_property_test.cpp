@@ -34,7 +34,7 @@ struct TimedMove {
   bool rests_at_end = true;
   std::int32_t axes = 1;
   std::vector<double> keys;
-  std::vector<KeyShape<double>> shapes;
+  std::vector<KeyShape> shapes;
   std::vector<std::int32_t> frames;
 
   [[nodiscard]] std::size_t key_count() const { return keys.size() / static_cast<std::size_t>(axes); }
@@ -50,7 +50,7 @@ struct TimedMove {
     }
     return high - low;
   }
-  [[nodiscard]] SolvedTrack<double> solved() const {
+  [[nodiscard]] SolvedTrack solved() const {
     return {{.path = {.spline = spline,
                       .closed = closed,
                       .axis_count = axes,
@@ -102,9 +102,9 @@ TimedMove random_timed_move(Spline spline) {
   return move;
 }
 
-double largest(const SolvedTrack<double>& track, std::int32_t axis, double AxisMotion<double>::*quantity) {
+double largest(const SolvedTrack& track, std::int32_t axis, double AxisMotion::*quantity) {
   double most = 0;
-  std::vector<AxisMotion<double>> motion(static_cast<std::size_t>(track.track().path().axis_count()));
+  std::vector<AxisMotion> motion(static_cast<std::size_t>(track.track().path().axis_count()));
   for (std::int32_t frame = 0; frame < track.track().frames(); ++frame) {
     for (const double fraction : {0.0, 0.25, 0.5, 0.75}) {
       track.track().motion({frame, fraction}, motion);
@@ -115,7 +115,7 @@ double largest(const SolvedTrack<double>& track, std::int32_t axis, double AxisM
 }
 
 /// The farthest that an axis is from a key on its frame, as a share of what it goes between its keys.
-double worst_miss(const TimedMove& move, const SolvedTrack<double>& track) {
+double worst_miss(const TimedMove& move, const SolvedTrack& track) {
   double worst = 0;
   std::vector<double> position(static_cast<std::size_t>(move.axes));
   for (std::size_t k = 0; k < move.frames.size(); ++k) {
@@ -128,7 +128,7 @@ double worst_miss(const TimedMove& move, const SolvedTrack<double>& track) {
   return worst;
 }
 
-void expect_keys_met(const TimedMove& move, const SolvedTrack<double>& track) {
+void expect_keys_met(const TimedMove& move, const SolvedTrack& track) {
   RC_ASSERT(worst_miss(move, track) <= 1e-9);
 }
 
@@ -136,7 +136,7 @@ void expect_keys_met(const TimedMove& move, const SolvedTrack<double>& track) {
 struct Sided {
   double velocity = 0, acceleration = 0;
 };
-Sided rediff(const SolvedTrack<double>& track, std::int32_t axis, double frame, double step) {
+Sided rediff(const SolvedTrack& track, std::int32_t axis, double frame, double step) {
   std::array<double, 4> p{};
   std::vector<double> position(static_cast<std::size_t>(track.track().path().axis_count()));
   for (int i = 0; i < 4; ++i) {
@@ -157,11 +157,11 @@ Sided rediff(const SolvedTrack<double>& track, std::int32_t axis, double frame, 
   return {first / seconds, second / (seconds * seconds)};
 }
 
-void expect_no_steps(const TimedMove& move, const SolvedTrack<double>& track, bool of_acceleration) {
+void expect_no_steps(const TimedMove& move, const SolvedTrack& track, bool of_acceleration) {
   const auto intervals = track.track().key_intervals();
   for (std::int32_t d = 0; d < move.axes; ++d) {
-    const double velocity = largest(track, d, &AxisMotion<double>::velocity);
-    const double acceleration = largest(track, d, &AxisMotion<double>::acceleration);
+    const double velocity = largest(track, d, &AxisMotion::velocity);
+    const double acceleration = largest(track, d, &AxisMotion::acceleration);
     for (std::size_t i = 1; i < intervals.size(); ++i) {
       const double frame = intervals[i].begin();
       const double before = intervals[i - 1].duration() / 4;
@@ -182,7 +182,7 @@ void expect_no_steps(const TimedMove& move, const SolvedTrack<double>& track, bo
 TEST(KeyFramesProperty, SmoothCurvesMeetTheirKeysAreC2InTimeAndThoseOfAnIndependentSolver) {
   check_property(500, [] {
     const TimedMove move = random_timed_move(Spline::smooth);
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     expect_keys_met(move, track);
     expect_no_steps(move, track, true);
     for (std::int32_t d = 0; d < move.axes; ++d) {
@@ -196,11 +196,11 @@ TEST(KeyFramesProperty, SmoothCurvesMeetTheirKeysAreC2InTimeAndThoseOfAnIndepend
         keys.frames.push_back(static_cast<long double>(move.frames[k]));
       }
       const std::vector<oracle::TimedPiece> curve = oracle::smooth_curve(keys);
-      std::vector<AxisMotion<double>> motion(static_cast<std::size_t>(move.axes));
-      const double velocity = largest(track, d, &AxisMotion<double>::velocity) + 1e-3;
+      std::vector<AxisMotion> motion(static_cast<std::size_t>(move.axes));
+      const double velocity = largest(track, d, &AxisMotion::velocity) + 1e-3;
       for (std::int32_t i = 0; i < 4 * move.frames.back(); ++i) {
         track.track().motion({i / 4, i % 4 / 4.0}, motion);
-        const AxisMotion<double>& axis = motion[static_cast<std::size_t>(d)];
+        const AxisMotion& axis = motion[static_cast<std::size_t>(d)];
         const long double frame = static_cast<long double>(i) / 4;
         RC_ASSERT(std::fabs(axis.position - static_cast<double>(oracle::curve_at(curve, frame, 0))) <=
                   1e-10 * (velocity + move.range(d)));
@@ -241,7 +241,7 @@ TEST(KeyFramesProperty, OnEveryPathAndWithEveryKineticKeysAreMetOnTheirFrames) {
 TEST(KeyFramesProperty, CurvesOnCatmullRomAndTcbMeetTheirKeysAndTheirVelocityGoesOn) {
   check_property(500, [] {
     const TimedMove move = random_timed_move(*rc::gen::element(Spline::catmull_rom, Spline::tcb));
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     expect_keys_met(move, track);
     expect_no_steps(move, track, false);
   });
@@ -251,7 +251,7 @@ TEST(KeyFramesProperty, AnAxisThatKeepsItsValueDoesNotLeaveIt) {
   check_property(500, [] {
     TimedMove move = random_timed_move(*rc::gen::element(Spline::smooth, Spline::catmull_rom, Spline::tcb));
     move.overshoot = move.spline == Spline::tcb || *rc::gen::arbitrary<bool>();
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     std::vector<double> position(static_cast<std::size_t>(move.axes));
     for (std::size_t k = 0; k + 1 < move.frames.size(); ++k) {
       for (std::int32_t i = 4 * move.frames[k]; i <= 4 * move.frames[k + 1]; ++i) {
@@ -273,21 +273,21 @@ TEST(KeyFramesProperty, AnAxisThatKeepsItsValueDoesNotLeaveIt) {
 TEST(KeyFramesProperty, APathWithoutOvershootStaysBetweenItsKeys) {
   check_property(500, [] {
     const TimedMove move = random_timed_move(*rc::gen::element(Spline::smooth, Spline::catmull_rom));
-    std::vector<Cubic<double>> cubics(move.keys.size() + static_cast<std::size_t>(move.axes));
+    std::vector<Cubic> cubics(move.keys.size() + static_cast<std::size_t>(move.axes));
     std::vector<double> weights(static_cast<std::size_t>(move.axes));
-    const auto path = Path<double>::make({.spline = move.spline,
-                                          .closed = move.closed,
-                                          .axis_count = move.axes,
-                                          .keys = move.keys,
-                                          .overshoot = false},
-                                         {cubics, weights});
+    const auto path = Path::make({.spline = move.spline,
+                                  .closed = move.closed,
+                                  .axis_count = move.axes,
+                                  .keys = move.keys,
+                                  .overshoot = false},
+                                 {cubics, weights});
     RC_ASSERT(path.has_value());
     for (std::int32_t i = 0; i < path->segment_count(); ++i) {
       for (std::int32_t d = 0; d < move.axes; ++d) {
         const auto key = static_cast<std::size_t>(i);
         const double low = std::min(move.at(key, d), move.at(key + 1, d));
         const double high = std::max(move.at(key, d), move.at(key + 1, d));
-        std::vector<PathPoint<double>> points;
+        std::vector<PathPoint> points;
         for (int k = 0; k < 64; ++k) points.push_back({i, k / 64.0});
         for (int k = 1; k <= 64; ++k) points.push_back({i, 1 - std::ldexp(1.0, -k)});
         std::vector<double> positions(points.size() * static_cast<std::size_t>(move.axes));
@@ -315,7 +315,7 @@ TEST(KeyFramesProperty, MonotoneAndLinearMeetTheirKeysAndTellTheirSteps) {
     TimedMove move = random_timed_move(
         *rc::gen::element(Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear));
     move.kinetic = *rc::gen::element(Kinetic::linear, Kinetic::monotone);
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     expect_keys_met(move, track);
     if (move.kinetic != Kinetic::linear) return;  // only these are cubics of time
     const BoundedMove bounded = bounds_of_track(track.track());
@@ -343,7 +343,7 @@ TEST(KeyFramesProperty, APaceMeetsItsKeysAndNoCurveThatDoesIsSmoother) {
     move.pace = true;
     RC_LOG() << testing::PrintToString(move.frames) << testing::PrintToString(move.keys) << move.axes
              << move.closed << move.rests_at_start << move.rests_at_end << static_cast<int>(move.spline);
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     expect_keys_met(move, track);
     if (!(track.track().arc_length().total() > 0)) return;
     const std::vector<double>& v = track.control_values();
@@ -454,11 +454,11 @@ TEST(KeyFramesProperty, APaceIsContinuousWhereTheDirectionOfThePathIs) {
       }
       if (k + 1 < count || move.closed) move.frames.push_back(move.frames.back() + *rc::gen::inRange(12, 49));
     }
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     expect_keys_met(move, track);
     for (std::int32_t d = 0; d < move.axes; ++d) {
-      const double velocity = largest(track, d, &AxisMotion<double>::velocity);
-      const double acceleration = largest(track, d, &AxisMotion<double>::acceleration);
+      const double velocity = largest(track, d, &AxisMotion::velocity);
+      const double acceleration = largest(track, d, &AxisMotion::acceleration);
       for (std::size_t k = 1; k + 1 < move.frames.size(); ++k) {
         constexpr double step = 0.001;  // of a frame
         const Sided arriving = rediff(track, d, move.frames[k], -step);
@@ -481,7 +481,7 @@ TEST(KeyFramesProperty, TheStepsOfMonotoneAndLinearAreThoseOfTheOracle) {
     const auto kind = *rc::gen::inRange<std::size_t>(0, kinds.size());
     TimedMove move = random_timed_move(splines[kind]);
     move.kinetic = *rc::gen::element(Kinetic::linear, Kinetic::monotone);
-    const SolvedTrack<double> track = move.solved();
+    const SolvedTrack track = move.solved();
     oracle::Keys keys;
     keys.kind = kinds[kind];
     keys.closed = move.closed;
@@ -490,7 +490,7 @@ TEST(KeyFramesProperty, TheStepsOfMonotoneAndLinearAreThoseOfTheOracle) {
       for (std::int32_t d = 0; d < move.axes; ++d) at.push_back(move.at(k, d));
       keys.at.push_back(at);
       if (move.shapes.empty()) continue;
-      const KeyShape<double>& shape = move.shapes[k];
+      const KeyShape& shape = move.shapes[k];
       keys.tension_continuity_bias.push_back({shape.tension, shape.continuity, shape.bias});
     }
     const oracle::Path path(keys);
@@ -527,7 +527,7 @@ TEST(KeyFramesProperty, CornersThatEaseDoNotStep) {
     std::vector<double> speed = {0, 0};
     for (int i = *rc::gen::inRange(4, 12); i > 0; --i) speed.push_back(*rc::gen::inRange(10, 101) / 2.0);
     speed.insert(speed.end(), {0, 0});
-    const TrackSpec<double> spec{
+    const TrackSpec spec{
         .path = {.spline = move.spline, .closed = move.closed, .axis_count = move.axes, .keys = move.keys},
         .control_values = speed,
         .frames = 240,
@@ -535,7 +535,7 @@ TEST(KeyFramesProperty, CornersThatEaseDoNotStep) {
         .arc_length = {},
         .ease_corners = true};
     try {
-      const SolvedTrack<double> track(spec, Solver::closed_form);
+      const SolvedTrack track(spec, Solver::closed_form);
       ++solved;
       double fastest = 0;
       for (std::int32_t frame = 0; frame <= 240; ++frame) {

@@ -108,8 +108,8 @@ TEST(MoveBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPeak
   check_property(many_moves, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solution(input.spec, Solver::closed_form);
+    const TrackInput input(move);
+    const SolvedTrack solution(input.spec, Solver::closed_form);
     if (solution.track().arc_length().total() == 0) return;
     const oracle::IdealMotion ideal(move.keys, oracle::Profile(move.speed), move.frames, fps);
     const WholeFrames part = any_part(move, ideal);
@@ -117,7 +117,7 @@ TEST(MoveBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPeak
     if (part.last - part.first < move.frames) ++parts;
     const oracle::Extremes extremes = ideal.extremes_between(part.first, part.last, samples);
     const BoundedMove bounded = bounds_of_track(solution.track(), part);
-    const std::vector<AxisPeaks<double>>& peaks = bounded.peaks();
+    const std::vector<AxisPeaks>& peaks = bounded.peaks();
     // In a second the speed curve has `rate` spans; what is 0 is computed to the rounding of what it could
     // be.
     const long double rate =

@@ -20,10 +20,9 @@ namespace ode_frame_table_property_test {
 constexpr int many_moves = 600;
 
 /// The solved move, or nothing where the solver refuses it or there is nothing to solve.
-std::optional<SolvedTrack<double>> integrated(const TrackInput<double>& input,
-                                              const OdeOptions<double>& options) {
+std::optional<SolvedTrack> integrated(const TrackInput& input, const OdeOptions& options) {
   try {
-    SolvedTrack<double> solved(input.spec, Solver::runge_kutta, options);
+    SolvedTrack solved(input.spec, Solver::runge_kutta, options);
     if (solved.track().arc_length().total() == 0) return std::nullopt;
     return solved;
   } catch (const SolverError& error) {
@@ -42,7 +41,7 @@ struct Judgement {
   long double worst_distance = 0;   ///< of the length
 };
 
-Judgement judge(const oracle::Path& path, const oracle::Profile& profile, const SolvedTrack<double>& solved) {
+Judgement judge(const oracle::Path& path, const oracle::Profile& profile, const SolvedTrack& solved) {
   const auto places = oracle_places(solved.track(), solved.table());
   const int frames = solved.table().frames();
   const long double per_frame = static_cast<long double>(profile.spans()) / static_cast<long double>(frames);
@@ -73,7 +72,7 @@ Judgement judge(const oracle::Path& path, const oracle::Profile& profile, const 
 TEST(RungeKuttaProperty, IsAsGoodAsItSaysOrRefuses) {
   int solved_moves = 0;
   check_property(many_moves, [&](const RandomMove& move) {
-    TrackInput<double> input(move);
+    TrackInput input(move);
     input.spec.arc_length.delta = 1e-9;
     const auto solved = integrated(input, {});
     if (!solved) return;
@@ -81,7 +80,7 @@ TEST(RungeKuttaProperty, IsAsGoodAsItSaysOrRefuses) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
     const Judgement judgement = judge(path, profile, *solved);
-    const Provenance<double>& provenance = solved->table().provenance();
+    const Provenance& provenance = solved->table().provenance();
     const auto said = static_cast<long double>(provenance.speed_error);
     RC_LOG() << "says " << said << ", is " << judgement.worst_long_step << '\n';
     RC_ASSERT(said <= 0.02L);
@@ -97,11 +96,11 @@ TEST(RungeKuttaProperty, IsAsGoodAsItSaysOrRefuses) {
 
 TEST(RungeKuttaProperty, AgreesWithTheClosedFormWithinItsOwnError) {
   check_property(many_moves, [](const RandomMove& move) {
-    TrackInput<double> input(move);
+    TrackInput input(move);
     input.spec.arc_length.delta = 1e-9;
     const auto solved = integrated(input, {});
     if (!solved) return;
-    const SolvedTrack<double> closed_form(input.spec, Solver::closed_form);
+    const SolvedTrack closed_form(input.spec, Solver::closed_form);
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
     const auto said = static_cast<long double>(solved->table().provenance().speed_error);
@@ -129,7 +128,7 @@ TEST(RungeKuttaProperty, AgreesWithTheClosedFormWithinItsOwnError) {
 
 TEST(RungeKuttaProperty, ItsTablesKeepEveryInvariant) {
   check_property(many_moves, [](const RandomMove& move) {
-    const TrackInput<double> input(move);
+    const TrackInput input(move);
     const auto solved = integrated(input, {});
     if (!solved) return;
     const Status status = check_invariants(solved->track(), solved->table());
@@ -142,7 +141,7 @@ TEST(RungeKuttaProperty, MoreStepsAFrameShrinkTheErrorOnTheWhole) {
   int compared = 0;
   check_property(many_moves / 4, [&] {
     const RandomMove move = *regular_move();
-    const TrackInput<double> input(move);
+    const TrackInput input(move);
     const auto coarse = integrated(input, {.substeps = 5});
     const auto fine = integrated(input, {.substeps = 50});
     if (!coarse || !fine) return;

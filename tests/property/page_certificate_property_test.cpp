@@ -60,7 +60,7 @@ RigFile any_rig_like(RigFile rig) {
   return rig;
 }
 
-void compare(const Peak<double>& page, const CheckedPeak& program) {
+void compare(const Peak& page, const CheckedPeak& program) {
   RC_ASSERT(page.value == program.value);
   if (program.value > 0) RC_ASSERT(page.frame == program.frame);
 }
@@ -94,7 +94,7 @@ void compare(const editor::Certificate& page, const CheckReport& program, const 
   RC_ASSERT(page.roll_obstacle().has_value() == !plan.roll_obstacles().empty());
   RC_ASSERT(page.stops().has_value() == program.stops.has_value());
   if (program.stops) {
-    const LongestStop<double> longest = page.stops()->longest_in_time();
+    const LongestStop longest = page.stops()->longest_in_time();
     RC_ASSERT(longest.length.seconds == program.stops->longest.length.seconds);
     RC_ASSERT(longest.length.frames == program.stops->longest.length.frames);
     RC_ASSERT(longest.from_frame == program.stops->longest.from_frame);
@@ -109,8 +109,8 @@ TEST(PageCertificateProperty, SaysOfAMoveWhatCheckSaysToTheLastBit) {
     if (!fitting) return;
     const Plan plan(fitting->plan.move(), any_rig_like(*fitting->plan.rig()), {});
     const CheckReport report = check(plan);
-    std::vector<AxisLimits<double>> limits = plan.limits();
-    for (const AxisLimits<double>& motor : motor_limits(plan)) limits.push_back(motor);
+    std::vector<AxisLimits> limits = plan.limits();
+    for (const AxisLimits& motor : motor_limits(plan)) limits.push_back(motor);
     const std::vector<CalibratedMotor> calibrated = plan.calibrated_motors();
     const Status made = page->make(plan.track_views(), limits, calibrated, plan.rig()->rate_hz);
     RC_ASSERT(made.has_value());

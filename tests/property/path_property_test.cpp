@@ -38,12 +38,11 @@ void expect_near(double value, long double expected, long double tolerance) {
 }
 
 /// Offsets from the key and derivatives, all in one: a cubic is known by its coefficients.
-template <Precise Real>
-void expect_cubic(const Cubic<Real>& cubic, const oracle::Path& path, int segment, long double t, int axis,
+void expect_cubic(const Cubic& cubic, const oracle::Path& path, int segment, long double t, int axis,
                   long double ulps) {
-  const auto epsilon = static_cast<long double>(std::numeric_limits<Real>::epsilon());
+  const auto epsilon = static_cast<long double>(std::numeric_limits<double>::epsilon());
   const long double tolerance = ulps * epsilon * size_of(path, axis);
-  const auto coefficient = [](Real c) { return static_cast<double>(c); };
+  const auto coefficient = [](double c) { return static_cast<double>(c); };
   expect_near(coefficient(cubic.c1), path.derivative(1, segment, t, axis), tolerance);
   expect_near(coefficient(cubic.c2), path.derivative(2, segment, t, axis) / 2, tolerance);
   expect_near(coefficient(cubic.c3), path.derivative(3, segment, t, axis) / 6, tolerance);
@@ -52,17 +51,16 @@ void expect_cubic(const Cubic<Real>& cubic, const oracle::Path& path, int segmen
 TEST(PathProperty, IsTheOraclesPathToAFewUlpOfItsSize) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path expected(move.keys);
-    const TrackInput<double> input(move);
-    std::vector<Cubic<double>> cubics(input.keys.size() +
-                                      static_cast<std::size_t>(input.spec.path.axis_count));
+    const TrackInput input(move);
+    std::vector<Cubic> cubics(input.keys.size() + static_cast<std::size_t>(input.spec.path.axis_count));
     std::vector<double> weights(static_cast<std::size_t>(input.spec.path.axis_count));
-    const Path<double> path = *Path<double>::make(input.spec.path, {cubics, weights});
+    const Path path = *Path::make(input.spec.path, {cubics, weights});
     const int segments = path.segment_count();
     RC_ASSERT(segments == expected.segments());
     for (int axis = 0; axis < path.axis_count(); ++axis) {
       const auto d = static_cast<std::size_t>(axis);
       for (int i = 0; i <= segments; ++i) {
-        const Cubic<double>& cubic = path.segment(i)[d];
+        const Cubic& cubic = path.segment(i)[d];
         const std::size_t key = static_cast<std::size_t>(i) % move.keys.at.size();
         RC_ASSERT(static_cast<long double>(path.position({i, 0}, axis)) == move.keys.at[key][d]);
         // The continuation is expanded at the end of the last segment.
@@ -76,9 +74,9 @@ TEST(PathProperty, IsTheOraclesPathToAFewUlpOfItsSize) {
 TEST(PathProperty, TheParametricSpeedIsTheOracles) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path expected(move.keys);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Path<double>& path = solved.track().path();
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const Path& path = solved.track().path();
     const int segment = *rc::gen::inRange(0, path.segment_count());
     const double t = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, 1001)) / 1000.0;
     long double size = 0;  // weights are at most 4
@@ -93,15 +91,14 @@ TEST(PathProperty, TheParametricSpeedIsTheOracles) {
 
 // --- arc length
 
-template <Precise Real>
-SolvedTrack<Real> solved_with(const RandomMove& move, const ArcLengthOptions<Real>& options) {
-  TrackInput<Real> input(move);
+SolvedTrack solved_with(const RandomMove& move, const ArcLengthOptions& options) {
+  TrackInput input(move);
   input.spec.arc_length = options;
-  return SolvedTrack<Real>(input.spec, Solver::closed_form);
+  return SolvedTrack(input.spec, Solver::closed_form);
 }
 
 /// A place anywhere on the path, rather often at a key.
-PathPoint<double> random_point(std::int32_t segments) {
+PathPoint random_point(std::int32_t segments) {
   const int part = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100, 1000));
   return {*rc::gen::inRange(0, segments), std::max(part, 0) / 1000.0};
 }
@@ -109,7 +106,7 @@ PathPoint<double> random_point(std::int32_t segments) {
 TEST(ArcLengthProperty, TheTotalIsTheOraclesToTwelveDigits) {
   check_property(many_moves, [](const RandomMove& move) {
     const long double expected = oracle::Path(move.keys).total_length();
-    const SolvedTrack<double> solved = solved_with<double>(move, {.delta = 1e-9});
+    const SolvedTrack solved = solved_with(move, {.delta = 1e-9});
     expect_near(solved.track().arc_length().total(), expected, 1e-12L * expected);
   });
 }
@@ -117,10 +114,10 @@ TEST(ArcLengthProperty, TheTotalIsTheOraclesToTwelveDigits) {
 TEST(ArcLengthProperty, TheDistanceToAPointIsTheOracles) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path expected(move.keys);
-    const SolvedTrack<double> solved = solved_with<double>(move, {.delta = 1e-9});
-    const Track<double>& track = solved.track();
+    const SolvedTrack solved = solved_with(move, {.delta = 1e-9});
+    const Track& track = solved.track();
     for (int i = 0; i < 4; ++i) {
-      const PathPoint<double> point = random_point(track.path().segment_count());
+      const PathPoint point = random_point(track.path().segment_count());
       expect_near(track.arc_length().distance(track.path(), point).high,
                   expected.distance(point.segment, static_cast<long double>(point.t)),
                   1e-12L * expected.total_length());
@@ -132,12 +129,11 @@ TEST(ArcLengthProperty, TheInverseComesBackToThePointMeasured) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path path(move.keys);
     for (const double delta : {1e-4, 1e-6, 1e-9}) {
-      const SolvedTrack<double> solved = solved_with<double>(move, {.delta = delta});
-      const Track<double>& track = solved.track();
-      const PathPoint<double> point = random_point(track.path().segment_count());
-      const PathPoint<double> back =
-          track.arc_length().locate(track.arc_length().distance(track.path(), point));
-      const auto place = [&](const PathPoint<double>& p) {
+      const SolvedTrack solved = solved_with(move, {.delta = delta});
+      const Track& track = solved.track();
+      const PathPoint point = random_point(track.path().segment_count());
+      const PathPoint back = track.arc_length().locate(track.arc_length().distance(track.path(), point));
+      const auto place = [&](const PathPoint& p) {
         const bool at_end = p.segment == path.segments();
         const double t = std::clamp(p.t, 0.0, 1.0);
         return at_end ? oracle::Place{p.segment - 1, 1}
@@ -159,7 +155,7 @@ double pieces_per_segment(double delta) {
   check_property(200, [&] {
     const RandomMove move = *rc::gen::suchThat(
         regular_move(), [](const RandomMove& drawn) { return oracle::Path(drawn.keys).slowest() > 0.2L; });
-    const SolvedTrack<double> solved = solved_with<double>(move, {.delta = delta});
+    const SolvedTrack solved = solved_with(move, {.delta = delta});
     pieces += solved.track().arc_length().piece_count();
     segments += solved.track().path().segment_count();
   });

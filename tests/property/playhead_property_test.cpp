@@ -25,20 +25,19 @@ constexpr int many_sequences = 1500;
 constexpr int ticks = 1000;
 
 /// `wanted` is an exposure that is made as soon as the playhead rests and has gone to its run-up.
-void command(Playhead<double>& playhead, const PlayedMotion& played,
-             std::optional<Exposure<double>>& wanted) {
-  const Move<double>& move = played.move();
+void command(Playhead& playhead, const PlayedMotion& played, std::optional<Exposure>& wanted) {
+  const Move& move = played.move();
   const auto frame = [&] { return *rc::gen::inRange(move.first_frame(), move.last_frame() + 1); };
   const auto direction = [] {
     return *rc::gen::arbitrary<bool>() ? Direction::forward : Direction::backward;
   };
   const auto exposure = [&] {
-    const FrameTime<double> at{frame(), 0};
+    const FrameTime at{frame(), 0};
     const double open = *rc::gen::inRange(-10, 10) / 20.0;
     const double share = *rc::gen::inRange(1, 20) / 20.0;
     const double slower = *rc::gen::inRange(10, 400) / 10.0;
-    return Exposure<double>{moved_by(at, open), moved_by(at, open + share),
-                            slower * share / move.frame_rate().frames_per_second()};
+    return Exposure{moved_by(at, open), moved_by(at, open + share),
+                    slower * share / move.frame_rate().frames_per_second()};
   };
   switch (*rc::gen::inRange(0, 10)) {
     case 0:
@@ -86,12 +85,12 @@ struct Tried {
 void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckReport& report, Tried& tried) {
   const std::int32_t rate_hz = plan.rig()->rate_hz;
   const double tick_s = 1.0 / rate_hz;
-  Playhead<double> playhead(plan.played(), *stops.bounds(), rate_hz);
+  Playhead playhead(plan.played(), *stops.bounds(), rate_hz);
   RecordedPlay record(plan, *stops.bounds(), tick_s);
   std::vector<double> steps;
   for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
   record.allow_steps_at(steps);
-  std::optional<Exposure<double>> wanted;
+  std::optional<Exposure> wanted;
   RC_ASSERT(playhead.play(Direction::forward).has_value());
   for (int tick = 0; tick < ticks; ++tick) {
     if (*rc::gen::inRange(0, 40) == 0) command(playhead, plan.motion(), wanted);
@@ -108,7 +107,7 @@ void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckRepo
     if (!record.complaint().empty()) RC_FAIL("tick " + std::to_string(tick) + ": " + record.complaint());
   }
   const bool forward = playhead.rate() >= 0;
-  const StopLength<double> foretold = stops.bounds()->stop_from(playhead.time(), forward);
+  const StopLength foretold = stops.bounds()->stop_from(playhead.time(), forward);
   playhead.stop();
   int needed = 0;
   for (; !playhead.is_resting() && needed < 10'000'000; ++needed) static_cast<void>(playhead.tick());
@@ -162,11 +161,11 @@ struct Gentle {
 /// Until a stop has come to rest, or until its rate change is gone if it is taken back, the stop limits hold.
 class StopWatch {
  public:
-  void stops(const Playhead<double>& playhead) {
+  void stops(const Playhead& playhead) {
     is_stop_ = !playhead.is_resting();
     sign_ = playhead.rate() < 0 ? -1 : 1;
   }
-  bool takes(const Playhead<double>& playhead) {
+  bool takes(const Playhead& playhead) {
     const bool is_taken_back = playhead.state() != PlayheadState::slowing && !playhead.is_turning();
     if (playhead.is_resting() || (is_taken_back && sign_ * playhead.rate_change() >= 0)) is_stop_ = false;
     return !is_stop_;
@@ -179,14 +178,14 @@ class StopWatch {
 
 void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& report, double rate,
                  Gentle& tried) {
-  Playhead<double>& playhead = staged.playhead();
+  Playhead& playhead = staged.playhead();
   const PlannedStops wide(staged.plan(), rate);
   RecordedPlay record(held_to, *wide.bounds(), 1.0 / held_to.rig()->rate_hz);
   std::vector<double> steps;
   for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
   record.allow_steps_at(steps);
   StopWatch watch;
-  const Move<double>& move = staged.plan().played();
+  const Move& move = staged.plan().played();
   const auto frame = [&] { return *rc::gen::inRange(move.first_frame(), move.last_frame() + 1); };
   RC_ASSERT(playhead.play(Direction::forward).has_value());
   for (int tick = 0; tick < ticks; ++tick) {

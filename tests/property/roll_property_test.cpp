@@ -27,8 +27,7 @@ struct Quartic {
   std::array<long double, 5> c{};
   long double far = 0;
 
-  template <Precise Real>
-  Quartic(const RollSpan& span, const AxisMotion<Real>& joint) {
+  Quartic(const RollSpan& span, const AxisMotion& joint) {
     const auto v = static_cast<long double>(joint.velocity);
     const auto a = static_cast<long double>(joint.acceleration);
     const long double seconds =
@@ -58,8 +57,7 @@ struct Quartic {
   }
 };
 
-template <Precise Real>
-std::array<Peak<Real>, 5> listed(const AxisPeaks<Real>& peaks) {
+std::array<Peak, 5> listed(const AxisPeaks& peaks) {
   return {peaks.lowest, peaks.highest, peaks.velocity, peaks.acceleration, peaks.jerk};
 }
 
@@ -83,49 +81,35 @@ RollSpan any_span(int max_frames) {
 
 /// Acceleration and velocity in every ratio r = a T / v from -20 to 20, in those where the shape of the roll
 /// changes, and without one of them.
-template <Precise Real>
-AxisMotion<Real> any_joint(const RollSpan& span) {
+AxisMotion any_joint(const RollSpan& span) {
   const double seconds = span.frames / span.fps.frames_per_second();
   const double scale = std::ldexp(1.0, any_int(-12, 13));
   const double v = scale * share();
   const double h = span.end == RollEnd::before ? seconds : -seconds;
   const double r = any_int(0, 4) == 0 ? *rc::gen::element(1.5, 2.0, 3.0, 6.0) : 20 * share();
   const bool only_acceleration = any_int(0, 10) == 0;
-  AxisMotion<Real> joint;
-  joint.position = static_cast<Real>(1000 * share());
-  joint.velocity = only_acceleration ? Real{0} : static_cast<Real>(v);
-  joint.acceleration = static_cast<Real>((only_acceleration ? scale * share() : r * v) / h);
+  AxisMotion joint;
+  joint.position = static_cast<double>(1000 * share());
+  joint.velocity = only_acceleration ? 0.0 : static_cast<double>(v);
+  joint.acceleration = static_cast<double>((only_acceleration ? scale * share() : r * v) / h);
   return joint;
 }
 
-template <Precise Real>
-long double speed_scale(const AxisMotion<Real>& joint, const Quartic& quartic) {
+long double speed_scale(const AxisMotion& joint, const Quartic& quartic) {
   return 3 * std::fabs(static_cast<long double>(joint.velocity)) +
          std::fabs(static_cast<long double>(joint.acceleration) * quartic.far);
 }
 
-template <class Real>
-class RollPropertyIn : public testing::Test {};
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(RollPropertyIn, Precisions, PrecisionName);
-
-TYPED_TEST(RollPropertyIn, IsTheQuarticOfTheFiveConditions) {
-  using Real = TypeParam;
+TEST(RollProperty, IsTheQuarticOfTheFiveConditions) {
   check_property(5000, [] {
     const RollSpan span = any_span(500);
-    const auto joint = any_joint<Real>(span);
-    const auto roll = *RollAxis<Real>::make(span, joint);
+    const auto joint = any_joint(span);
+    const auto roll = *RollAxis::make(span, joint);
     const Quartic quartic(span, joint);
-    const auto epsilon = static_cast<long double>(std::numeric_limits<Real>::epsilon());
+    const auto epsilon = static_cast<long double>(std::numeric_limits<double>::epsilon());
     const long double seconds = std::fabs(quartic.far);
     const long double scale = 20 * epsilon * speed_scale(joint, quartic);
-    const auto near = [](Real value, long double wanted, long double within) {
+    const auto near = [](double value, long double wanted, long double within) {
       RC_LOG() << value << " instead of " << wanted << " within " << within << "\n";
       RC_ASSERT(std::fabs(static_cast<long double>(value) - wanted) <= within);
     };
@@ -136,12 +120,12 @@ TYPED_TEST(RollPropertyIn, IsTheQuarticOfTheFiveConditions) {
       const bool before = span.end == RollEnd::before;
       const int numbered = 8 * span.joint_frame + (before ? -eighths : eighths);
       const auto frame = static_cast<std::int32_t>(std::floor(numbered / 8.0));
-      const auto at = roll.motion({frame, static_cast<Real>(numbered - 8 * frame) / 8});
+      const auto at = roll.motion({frame, static_cast<double>(numbered - 8 * frame) / 8});
       near(at.position, quartic.position(t), scale * seconds + 2 * epsilon * std::fabs(quartic.c[0]));
       near(at.velocity, quartic.velocity(t), scale);
       near(at.acceleration, quartic.acceleration(t), scale / seconds);
       near(at.jerk, quartic.jerk(t), 2 * scale / seconds / seconds);
-      const auto same = roll.motion_at_seconds(static_cast<Real>(t));
+      const auto same = roll.motion_at_seconds(static_cast<double>(t));
       near(same.position, quartic.position(t), scale * seconds + 2 * epsilon * std::fabs(quartic.c[0]));
       near(same.velocity, quartic.velocity(t), scale);
     }
@@ -156,8 +140,8 @@ TYPED_TEST(RollPropertyIn, IsTheQuarticOfTheFiveConditions) {
 TEST(RollProperty, ReDifferentiatedItRestsAtOneEndAndJoinsTheMoveAtTheOther) {
   check_property(2000, [] {
     const RollSpan span = any_span(500);
-    const auto joint = any_joint<double>(span);
-    const auto roll = *RollAxis<double>::make(span, joint);
+    const auto joint = any_joint(span);
+    const auto roll = *RollAxis::make(span, joint);
     const Quartic quartic(span, joint);
     // Five positions at the ends of the roll, differentiated to the fourth order: exact for a quartic but for
     // rounding.
@@ -184,15 +168,13 @@ TEST(RollProperty, ReDifferentiatedItRestsAtOneEndAndJoinsTheMoveAtTheOther) {
   });
 }
 
-TYPED_TEST(RollPropertyIn, PeaksAreNeverBelowTheTruthAndHardlyAboveIt) {
-  using Real = TypeParam;
-  constexpr bool is_double = std::is_same_v<Real, double>;
+TEST(RollProperty, PeaksAreNeverBelowTheTruthAndHardlyAboveIt) {
   check_property(5000, [] {
     const RollSpan span = any_span(500);
-    const auto joint = any_joint<Real>(span);
+    const auto joint = any_joint(span);
     const Quartic quartic(span, joint);
     const auto truth = quartic.extremes(64);
-    const auto peaks = listed(RollAxis<Real>::make(span, joint)->peaks());
+    const auto peaks = listed(RollAxis::make(span, joint)->peaks());
     const long double seconds = std::fabs(quartic.far);
     const long double speed = speed_scale(joint, quartic);
     const std::array<long double, 5> scales = {seconds * speed, seconds * speed, speed, speed / seconds,
@@ -201,8 +183,8 @@ TYPED_TEST(RollPropertyIn, PeaksAreNeverBelowTheTruthAndHardlyAboveIt) {
       const long double sign = i == 0 ? -1 : 1;
       const long double above = sign * (static_cast<long double>(peaks[i].value) - truth[i].value);
       const long double noise = 1e-17L * (scales[i] + (i < 2 ? std::fabs(quartic.c[0]) : 0));
-      const long double allowed = i < 2 ? (is_double ? 1e-9L : 1e-4L) * (std::fabs(quartic.c[0]) + scales[i])
-                                        : (is_double ? 1e-9L : 3e-4L) * std::fabs(truth[i].value);
+      const long double allowed =
+          i < 2 ? 1e-9L * (std::fabs(quartic.c[0]) + scales[i]) : 1e-9L * std::fabs(truth[i].value);
       RC_LOG() << "quantity " << i << ": " << peaks[i].value << ", truth " << truth[i].value << ", above by "
                << above << ", allowed " << allowed << "\n";
       RC_ASSERT(above >= -noise);
@@ -211,16 +193,15 @@ TYPED_TEST(RollPropertyIn, PeaksAreNeverBelowTheTruthAndHardlyAboveIt) {
   });
 }
 
-TYPED_TEST(RollPropertyIn, PeaksAreReachedWhereTheySay) {
-  using Real = TypeParam;
+TEST(RollProperty, PeaksAreReachedWhereTheySay) {
   check_property(2000, [] {
     const RollSpan span = any_span(500);
-    const auto joint = any_joint<Real>(span);
+    const auto joint = any_joint(span);
     const Quartic quartic(span, joint);
-    const auto peaks = listed(RollAxis<Real>::make(span, joint)->peaks());
+    const auto peaks = listed(RollAxis::make(span, joint)->peaks());
     const long double seconds = std::fabs(quartic.far);
     const long double speed = speed_scale(joint, quartic);
-    const long double share = std::is_same_v<Real, double> ? 1e-9L : 5e-3L;
+    const long double share = 1e-9L;
     const auto time = [&](std::size_t i) {
       const long double frames = static_cast<long double>(peaks[i].frame) - span.joint_frame;
       RC_ASSERT(std::fabs(frames) <= span.frames);
@@ -247,8 +228,7 @@ constexpr int longest_tried = 160;
 /// The true extremes of one axis for every length of the roll from 1 to longest_tried.
 using Lengths = std::vector<std::array<oracle::Extreme, 5>>;
 
-template <Precise Real>
-Lengths extremes_of_lengths(RollSpan span, const AxisMotion<Real>& joint) {
+Lengths extremes_of_lengths(RollSpan span, const AxisMotion& joint) {
   Lengths lengths;
   for (span.frames = 1; span.frames <= longest_tried; ++span.frames) {
     lengths.push_back(Quartic(span, joint).extremes(24));
@@ -257,30 +237,28 @@ Lengths extremes_of_lengths(RollSpan span, const AxisMotion<Real>& joint) {
 }
 
 /// Limits near what the axis does on a roll of some length, so that every one of them decides now and then.
-template <Precise Real>
-AxisLimits<Real> tight_limits(const AxisMotion<Real>& joint, const Lengths& lengths) {
+AxisLimits tight_limits(const AxisMotion& joint, const Lengths& lengths) {
   const auto like = [&] { return lengths[static_cast<std::size_t>(any_int(0, longest_tried))]; };
   const auto room = [&] { return static_cast<long double>(1 + 0.3 * std::fabs(share())); };
-  const auto number = [](long double x) { return static_cast<Real>(x); };
+  const auto number = [](long double x) { return static_cast<double>(x); };
   const long double here = static_cast<long double>(joint.position);
-  AxisLimitsSpec<Real> spec;
+  AxisLimitsSpec spec;
   spec.min = number(here - 1e-3L - (here - like()[0].value) * room());
   spec.max = number(here + 1e-3L + (like()[1].value - here) * room());
   spec.max_velocity = number(std::max(1e-3L, like()[2].value * room()));
   spec.max_acceleration = number(std::max(1e-3L, like()[3].value * room()));
   if (*rc::gen::arbitrary<bool>()) spec.max_jerk = number(std::max(1e-3L, like()[4].value * room()));
-  return *AxisLimits<Real>::make(spec);
+  return *AxisLimits::make(spec);
 }
 
 /// Whether the true motion keeps the limits when these are widened by a share, which may be negative.
-template <Precise Real>
-bool keeps(const std::array<oracle::Extreme, 5>& truth, const AxisLimits<Real>& limits, long double widened) {
-  const auto at_most = [&](long double value, Real limit, long double scale) {
+bool keeps(const std::array<oracle::Extreme, 5>& truth, const AxisLimits& limits, long double widened) {
+  const auto at_most = [&](long double value, double limit, long double scale) {
     return value <= static_cast<long double>(limit) + widened * scale;
   };
   const long double range = std::max(std::fabs(static_cast<long double>(limits.min())),
                                      std::fabs(static_cast<long double>(limits.max())));
-  const std::optional<Real> jerk = limits.max_jerk();
+  const std::optional<double> jerk = limits.max_jerk();
   return at_most(-truth[0].value, -limits.min(), 3 * range) &&
          at_most(truth[1].value, limits.max(), 3 * range) &&
          at_most(truth[2].value, limits.max_velocity(), static_cast<long double>(limits.max_velocity())) &&
@@ -289,34 +267,33 @@ bool keeps(const std::array<oracle::Extreme, 5>& truth, const AxisLimits<Real>& 
          (!jerk || at_most(truth[4].value, *jerk, static_cast<long double>(*jerk)));
 }
 
-TYPED_TEST(RollPropertyIn, NoSmallerNumberOfFramesFits) {
-  using Real = TypeParam;
+TEST(RollProperty, NoSmallerNumberOfFramesFits) {
   int found = 0;
   int refused = 0;
   int after_a_gap = 0;
   check_property(1000, [&] {
     RollSpan span = any_span(1);
-    std::vector<AxisMotion<Real>> joints;
-    std::vector<AxisLimits<Real>> limits;
+    std::vector<AxisMotion> joints;
+    std::vector<AxisLimits> limits;
     std::vector<Lengths> lengths;
     const int axes = any_int(1, 4);
     for (int i = 0; i < axes; ++i) {
       RollSpan typical = span;
       typical.frames = any_int(4, longest_tried);
-      joints.push_back(any_joint<Real>(typical));
+      joints.push_back(any_joint(typical));
       lengths.push_back(extremes_of_lengths(span, joints.back()));
       limits.push_back(tight_limits(joints.back(), lengths.back()));
     }
-    const RollRequest<Real> request{span.end, span.joint_frame, span.fps, joints, limits};
+    const RollRequest request{span.end, span.joint_frame, span.fps, joints, limits};
     const Result<std::int32_t> frames = roll_frames(request);
-    const long double slack = std::is_same_v<Real, double> ? 1e-9L : 4e-4L;
+    const long double slack = 1e-9L;
     const auto fits = [&](int length, long double widened) {
       for (std::size_t i = 0; i < joints.size(); ++i) {
         if (!keeps(lengths[i][static_cast<std::size_t>(length - 1)], limits[i], widened)) return false;
       }
       return true;
     };
-    const bool at_rest = std::all_of(joints.begin(), joints.end(), [](const AxisMotion<Real>& joint) {
+    const bool at_rest = std::all_of(joints.begin(), joints.end(), [](const AxisMotion& joint) {
       return joint.velocity == 0 && joint.acceleration == 0;
     });
     if (at_rest) {
@@ -345,7 +322,7 @@ TYPED_TEST(RollPropertyIn, NoSmallerNumberOfFramesFits) {
     if (*frames <= longest_tried) RC_ASSERT(fits(*frames, 1e-17L));
     RC_ASSERT(!(*roll_breach(request, *frames)).has_value());
     for (std::size_t i = 0; i < joints.size(); ++i) {  // one axis alone would do with less, and not with more
-      const RollRequest<Real> alone{span.end, span.joint_frame, span.fps, {&joints[i], 1}, {&limits[i], 1}};
+      const RollRequest alone{span.end, span.joint_frame, span.fps, {&joints[i], 1}, {&limits[i], 1}};
       const auto least = *roll_frames(alone);
       RC_ASSERT(least <= *frames);
       bool fitted = false;

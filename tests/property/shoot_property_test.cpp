@@ -26,7 +26,7 @@ ShootOptions shoot_of(const MoveFile& move) {
   const double open = *rc::gen::inRange(-20, 20) / 20.0;
   const double share = *rc::gen::inRange(1, 20) / 20.0;
   const double slower = *rc::gen::inRange(10, 60) / 10.0;
-  options.shutter = Shutter<double>{open, std::min(open + share, 1.0)};
+  options.shutter = Shutter{open, std::min(open + share, 1.0)};
   options.exposure_s =
       slower * (options.shutter->close - options.shutter->open) / move.fps.rate.frames_per_second();
   if (*rc::gen::arbitrary<bool>()) options.still.push_back(move.tracks[0].axes[0]);
@@ -41,7 +41,7 @@ struct Tried {
 };
 
 /// Frame after frame, and now and then another is looked at.
-void shoot_at_random(StagedMove& staged, const ShootSpec<double>& spec, const Plan& held_to,
+void shoot_at_random(StagedMove& staged, const ShootSpec& spec, const Plan& held_to,
                      const CheckReport& report, Tried& tried) {
   const double tick_s = 1.0 / held_to.rig()->rate_hz;
   const PlannedStops wide(staged.plan());
@@ -53,8 +53,8 @@ void shoot_at_random(StagedMove& staged, const ShootSpec<double>& spec, const Pl
   still_record.allow_steps_at(steps);
   const std::int32_t frames = staged.plan().move().frames;
   std::vector<std::int32_t> shots(static_cast<std::size_t>(frames) + 1);
-  FrameShoot<double> shoot(spec, {.last = frames, .shots = shots, .rests = staged.rests()}, staged.playhead(),
-                           staged.still());
+  FrameShoot shoot(spec, {.last = frames, .shots = shots, .rests = staged.rests()}, staged.playhead(),
+                   staged.still());
   RC_ASSERT(shoot.shoot(0).has_value());
   for (int tick = 0; tick < max_ticks && shoot.phase() != ShootPhase::done; ++tick) {
     const PlayheadEvent event = staged.playhead().tick();

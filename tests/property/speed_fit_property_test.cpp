@@ -133,9 +133,9 @@ bool can_be_cured(const CheckReport& report) {
 }
 
 double area_of(const std::vector<double>& speed) {
-  std::vector<SpeedSpan<double>> spans(speed.size());
-  std::vector<TwoSum<double>> integrals(speed.size());
-  return SpeedProfile<double>::make(speed, {spans, integrals})->total_integral() /
+  std::vector<SpeedSpan> spans(speed.size());
+  std::vector<TwoSum> integrals(speed.size());
+  return SpeedProfile::make(speed, {spans, integrals})->total_integral() /
          static_cast<double>(speed.size() - 1);
 }
 

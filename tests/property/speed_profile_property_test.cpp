@@ -18,35 +18,32 @@ namespace speed_profile_property_test {
 constexpr int many_curves = 2000;
 
 /// 1 to 24 values in 0..100 with zeros and hundreds among them.
-template <Precise Real>
-std::vector<Real> random_values() {
+std::vector<double> random_values() {
   const auto count = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange<std::size_t>(1, 25));
-  std::vector<Real> values(count);
-  for (Real& value : values) {
+  std::vector<double> values(count);
+  for (double& value : values) {
     const int drawn = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-2000, 12'001));
-    value = static_cast<Real>(std::clamp(drawn, 0, 10'000)) / 100;
+    value = static_cast<double>(std::clamp(drawn, 0, 10'000)) / 100;
   }
   return values;
 }
 
 /// Ten places on a curve: its ends, the knots and what lies between them.
-template <Precise Real>
-std::vector<Real> random_places(std::int32_t spans) {
-  std::vector<Real> places{0, static_cast<Real>(spans)};
+std::vector<double> random_places(std::int32_t spans) {
+  std::vector<double> places{0, static_cast<double>(spans)};
   for (int i = 0; i < 8; ++i) {
-    const auto knot = static_cast<Real>(*rc::gen::inRange(0, spans));
+    const auto knot = static_cast<double>(*rc::gen::inRange(0, spans));
     const int part = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100, 1000));
-    places.push_back(knot + static_cast<Real>(std::max(part, 0)) / 1000);
+    places.push_back(knot + static_cast<double>(std::max(part, 0)) / 1000);
   }
   return places;
 }
 
 /// A curve with the memory it stands in.
-template <Precise Real>
 struct RandomCurve {
-  std::vector<Real> values = random_values<Real>();
-  SpeedProfileStorage<Real, 24> storage;
-  SpeedProfile<Real> curve = *SpeedProfile<Real>::make(values, storage.memory());
+  std::vector<double> values = random_values();
+  SpeedProfileStorage<24> storage;
+  SpeedProfile curve = *SpeedProfile::make(values, storage.memory());
   oracle::Profile expected{std::vector<long double>(values.begin(), values.end())};
 };
 
@@ -55,20 +52,18 @@ void log(const auto& values) {
   RC_LOG() << '\n';
 }
 
-template <Precise Real>
-void expect_near(Real value, long double expected, long double tolerance) {
+void expect_near(double value, long double expected, long double tolerance) {
   RC_LOG() << value << " is off by " << static_cast<long double>(value) - expected << ", allowed "
            << tolerance << '\n';
   RC_ASSERT(std::fabs(static_cast<long double>(value) - expected) <= tolerance);
 }
 
-template <Precise Real>
 void expect_the_oracles_curve() {
-  constexpr auto epsilon = static_cast<long double>(std::numeric_limits<Real>::epsilon());
-  const RandomCurve<Real> random;
+  constexpr auto epsilon = static_cast<long double>(std::numeric_limits<double>::epsilon());
+  const RandomCurve random;
   log(random.values);
   const long double largest = static_cast<long double>(*std::ranges::max_element(random.values));
-  for (const Real a : random_places<Real>(random.curve.span_count())) {
+  for (const double a : random_places(random.curve.span_count())) {
     const auto exact_a = static_cast<long double>(a);
     RC_LOG() << "a = " << exact_a << '\n';
     // Value and integral are sums of numbers >= 0 and keep their relative precision, the derivatives
@@ -85,41 +80,32 @@ void expect_the_oracles_curve() {
               8 * epsilon * static_cast<long double>(random.curve.total_integral()));
 }
 
-TEST(SpeedProfileProperty, IsTheOraclesCurveInDouble) {
-  check_property(many_curves, [] { expect_the_oracles_curve<double>(); });
+TEST(SpeedProfileProperty, IsTheOraclesCurve) {
+  check_property(many_curves, [] { expect_the_oracles_curve(); });
 }
 
-TEST(SpeedProfileProperty, IsTheOraclesCurveInFloat) {
-  check_property(many_curves, [] { expect_the_oracles_curve<float>(); });
-}
-
-template <Precise Real>
 void expect_hull_and_ends() {
-  const RandomCurve<Real> random;
+  const RandomCurve random;
   log(random.values);
-  const SpeedProfile<Real>& curve = random.curve;
+  const SpeedProfile& curve = random.curve;
   const auto [least, largest] = std::ranges::minmax(random.values);
-  const Real rounding = 4 * std::numeric_limits<Real>::epsilon() * largest;
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * largest;
   RC_ASSERT(curve.value(0) == random.values.front());
-  RC_ASSERT(curve.value(static_cast<Real>(curve.span_count())) == random.values.back());
-  for (const Real a : random_places<Real>(curve.span_count())) {
+  RC_ASSERT(curve.value(static_cast<double>(curve.span_count())) == random.values.back());
+  for (const double a : random_places(curve.span_count())) {
     RC_ASSERT(curve.value(a) >= least - rounding);
     RC_ASSERT(curve.value(a) <= largest + rounding);
     RC_ASSERT(curve.value(a) >= 0);
   }
 }
 
-TEST(SpeedProfileProperty, StaysInTheHullAndMeetsItsEndsInDouble) {
-  check_property(many_curves, [] { expect_hull_and_ends<double>(); });
-}
-
-TEST(SpeedProfileProperty, StaysInTheHullAndMeetsItsEndsInFloat) {
-  check_property(many_curves, [] { expect_hull_and_ends<float>(); });
+TEST(SpeedProfileProperty, StaysInTheHullAndMeetsItsEnds) {
+  check_property(many_curves, [] { expect_hull_and_ends(); });
 }
 
 TEST(SpeedProfileProperty, TheIntegralNeverFalls) {
   check_property(many_curves, [] {
-    const RandomCurve<double> random;
+    const RandomCurve random;
     log(random.values);
     double before = 0;
     for (std::int32_t span = 0; span < random.curve.span_count(); ++span) {
@@ -135,7 +121,7 @@ TEST(SpeedProfileProperty, TheIntegralNeverFalls) {
 
 TEST(SpeedProfileProperty, RandomEditsKeepTheListALegalCurve) {
   check_property(many_curves, [] {
-    ControlValues<double, 12> values;
+    ControlValues<12> values;
     RC_ASSERT(static_cast<bool>(values.push_back(10)));
     std::vector<double> model{10};
     for (int i = 0; i < 60; ++i) {
@@ -162,8 +148,8 @@ TEST(SpeedProfileProperty, RandomEditsKeepTheListALegalCurve) {
       RC_ASSERT(done.has_value() == legal);
       RC_ASSERT(std::ranges::equal(values, model));
     }
-    SpeedProfileStorage<double, 12> storage;
-    RC_ASSERT(SpeedProfile<double>::make(values, storage.memory()).has_value());
+    SpeedProfileStorage<12> storage;
+    RC_ASSERT(SpeedProfile::make(values, storage.memory()).has_value());
   });
 }
 

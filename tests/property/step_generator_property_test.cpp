@@ -22,16 +22,14 @@ namespace inbetween {
 namespace step_generator_property_test {
 
 /// In steps and ticks.
-template <Precise Real>
-OracleMotion scaled(const Setpoint<Real>& at, const StepSpec<Real>& spec) {
+OracleMotion scaled(const Setpoint& at, const StepSpec& spec) {
   const auto scale = static_cast<long double>(spec.steps_per_unit);
   const long double seconds = static_cast<long double>(spec.tick_ns) * 1e-9L;
   return {static_cast<long double>(at.position) * scale,
           static_cast<long double>(at.velocity) * scale * seconds,
           static_cast<long double>(at.acceleration) * scale * seconds * seconds};
 }
-template <Precise Real>
-std::int64_t nearest_step(Real position, const StepSpec<Real>& spec) {
+std::int64_t nearest_step(double position, const StepSpec& spec) {
   const auto scale = static_cast<long double>(spec.steps_per_unit);
   return static_cast<std::int64_t>(std::floor(static_cast<long double>(position) * scale + 0.5L));
 }
@@ -45,16 +43,15 @@ struct Wanted {
 };
 
 /// A generator on a random motion, and what the oracle says of it.
-template <Precise Real>
 struct RandomRun {
-  explicit RandomRun(const StepSpec<Real>& spec) : run(spec) {}
+  explicit RandomRun(const StepSpec& spec) : run(spec) {}
 
   /// False if it was refused; then nothing has changed.
-  bool tick(const Setpoint<Real>& end) {
+  bool tick(const Setpoint& end) {
     const std::int64_t start_ns = run.start_ns;
     const std::int64_t before = run.generator.count() + run.generator.waiting();
     const Result<std::size_t> done = run.tick(end);
-    const StepSpec<Real>& spec = run.generator.spec();
+    const StepSpec& spec = run.generator.spec();
     if (!done) {
       RC_ASSERT(done.error().code == ErrorCode::out_of_range);
       RC_ASSERT(run.generator.count() + run.generator.waiting() == before);
@@ -72,13 +69,13 @@ struct RandomRun {
     return true;
   }
   void play(int ticks) {
-    const StepSpec<Real>& spec = run.generator.spec();
-    at = {.position = static_cast<Real>((between(-3000, 3000) + 0.123456789) /
-                                        static_cast<double>(spec.steps_per_unit))};
+    const StepSpec& spec = run.generator.spec();
+    at = {.position = static_cast<double>((between(-3000, 3000) + 0.123456789) /
+                                          static_cast<double>(spec.steps_per_unit))};
     RC_ASSERT(run.generator.place(at.position).has_value());
     first_count = run.generator.count();
     for (int i = 0; i < ticks; ++i) {
-      const std::optional<Setpoint<Real>> next = random_next(at, spec);
+      const std::optional<Setpoint> next = random_next(at, spec);
       if (!tick(*next)) ++refused;
     }
     while (!tick({at.position, at.velocity / 2, 0})) at.velocity /= 2;
@@ -88,8 +85,8 @@ struct RandomRun {
     }
   }
 
-  StepRun<Real> run;
-  Setpoint<Real> at;
+  StepRun run;
+  Setpoint at;
   std::vector<Wanted> wanted;
   std::int64_t first_count = 0;
   int refused = 0;
@@ -112,8 +109,7 @@ void check_step(const PutStep& step, const Wanted& wanted, const StepTiming& tim
 }
 
 /// Runs the edges past a driver that knows the minima.
-template <Precise Real>
-SimulatedStepper driven(const RandomRun<Real>& random) {
+SimulatedStepper driven(const RandomRun& random) {
   SimulatedStepper::Settings settings;
   settings.lines = {.step = 0, .dir = 1, .timing = random.run.generator.spec().timing};
   settings.steps_per_unit = static_cast<double>(random.run.generator.spec().steps_per_unit);
@@ -131,7 +127,7 @@ TEST(StepGeneratorProperties, EveryEdgeIsAtItsCrossingOrAsLateAsTheMinimaAsk) {
   int refused = 0;
   int cancelled = 0;
   check_property(400, [&] {
-    RandomRun<double> random(random_spec<double>());
+    RandomRun random(random_spec());
     random.play(40);
     refused += random.refused;
     const SimulatedStepper stepper = driven(random);
@@ -166,36 +162,13 @@ TEST(StepGeneratorProperties, EveryEdgeIsAtItsCrossingOrAsLateAsTheMinimaAsk) {
   }
 }
 
-TEST(StepGeneratorProperties, SinglePrecisionKeepsTheSamePromiseToItsDigits) {
-  check_property(200, [] {
-    RandomRun<float> random(random_spec<float>());
-    random.play(40);
-    const StepSpec<float>& spec = random.run.generator.spec();
-    const SimulatedStepper stepper = driven(random);
-    RC_ASSERT(stepper.violations() == StepViolations{});
-    RC_ASSERT(stepper.count() == random.run.generator.count() - random.first_count);
-    RC_ASSERT(random.run.generator.count() == nearest_step(random.at.position, spec));
-    // A turn within rounding of a half step may be a pair of steps for one and none for the other.
-    if (random.run.generator.delays().cancelled_pairs > 0) return;
-    if (random.run.steps.size() != random.wanted.size()) return;
-    for (std::size_t i = 0; i < random.wanted.size(); ++i) {
-      const Wanted& wanted = random.wanted[i];
-      if (wanted.steps_per_tick < 0.25L) continue;
-      // 40 steps a tick to a few times 2^-24.
-      const long double tolerance_ns =
-          1 + 1e-4L / wanted.steps_per_tick * static_cast<long double>(spec.tick_ns);
-      check_step(random.run.steps[i], wanted, spec.timing, tolerance_ns);
-    }
-  });
-}
-
 TEST(StepGeneratorProperties, AMotionThatTremblesAboutAHalfStepKeepsTheMinimaAndTheCount) {
   std::int64_t cancelled = 0;
   check_property(100, [&] {
-    StepSpec<double> spec = random_spec<double>();
+    StepSpec spec = random_spec();
     spec.timing.dir_setup_ns *= 10;
     spec.timing.dir_hold_ns *= 10;
-    RandomRun<double> random(spec);
+    RandomRun random(spec);
     const double half = *rc::gen::inRange(-1000, 1000) + 0.5;
     random.at.position = (half + 0.1) / spec.steps_per_unit;
     RC_ASSERT(random.run.generator.place(random.at.position).has_value());
@@ -240,9 +213,9 @@ OracleMotion swung(std::span<const Swing> swings, long double seconds) {
   }
   return at;
 }
-template <Precise Real>
-Setpoint<Real> rounded(const OracleMotion& at) {
-  return {static_cast<Real>(at.position), static_cast<Real>(at.velocity), static_cast<Real>(at.acceleration)};
+Setpoint rounded(const OracleMotion& at) {
+  return {static_cast<double>(at.position), static_cast<double>(at.velocity),
+          static_cast<double>(at.acceleration)};
 }
 
 struct Deviation {
@@ -252,16 +225,15 @@ struct Deviation {
 };
 
 /// Ten seconds of a motion that the generator knows only at its ticks, against the motion itself.
-template <Precise Real>
 Deviation deviation(std::span<const Swing> swings, long double fast_steps_per_s) {
-  StepSpec<Real> spec{.steps_per_unit = 1,
-                      .timing = {.pulse_ns = 1, .pause_ns = 1, .dir_setup_ns = 1, .dir_hold_ns = 1},
-                      .max_step_rate = 40'000,
-                      .tick_ns = 1'000'000};
-  StepRun<Real> run(spec);
+  StepSpec spec{.steps_per_unit = 1,
+                .timing = {.pulse_ns = 1, .pause_ns = 1, .dir_setup_ns = 1, .dir_hold_ns = 1},
+                .max_step_rate = 40'000,
+                .tick_ns = 1'000'000};
+  StepRun run(spec);
   constexpr int ticks = sanitized ? 1000 : 10'000;
   for (int i = 1; i <= ticks; ++i) {
-    EXPECT_TRUE(run.tick(rounded<Real>(swung(swings, i * 1e-3L))));
+    EXPECT_TRUE(run.tick(rounded(swung(swings, i * 1e-3L))));
   }
   const auto crossings =
       oracle_crossings([&](long double t) { return swung(swings, t).position; }, 0, ticks * 1e-3L, 4 * ticks);
@@ -282,27 +254,20 @@ Deviation deviation(std::span<const Swing> swings, long double fast_steps_per_s)
 
 TEST(StepGeneratorProperties, StepsOfASmoothMotionAreWithinAMicrosecondOfIt) {
   const std::vector<Swing> swings{{800, 2}, {300, 3.1}, {50, 7.3}};
-  const Deviation found = deviation<double>(swings, 0.25L);
+  const Deviation found = deviation(swings, 0.25L);
   EXPECT_GT(found.steps, sanitized ? 5000U : 50'000U);
   EXPECT_LE(found.fast_ns, 2);
   EXPECT_LE(found.any_ns, 1000);
 }
 
-TEST(StepGeneratorProperties, StepsOfASmoothMotionAreWithinAMicrosecondInSinglePrecisionWhereItIsFast) {
-  const std::vector<Swing> swings{{800, 2}, {300, 3.1}, {50, 7.3}};
-  const Deviation found = deviation<float>(swings, 250);
-  EXPECT_GT(found.steps, sanitized ? 5000U : 50'000U);
-  EXPECT_LE(found.fast_ns, 1000);
-}
-
 TEST(StepGeneratorProperties, TheCountIsExactAfterTenMillionSteps) {
-  const StepSpec<double> spec{
+  const StepSpec spec{
       .steps_per_unit = -123.456789,
       .timing = {.pulse_ns = 1000, .pause_ns = 1000, .dir_setup_ns = 5000, .dir_hold_ns = 2000},
       .max_step_rate = 400'000,
       .tick_ns = 1'000'000};
   const std::vector<Swing> swings{{100, 2}, {10, 7.7}, {0.01, 41}};
-  StepGenerator<double> generator = StepGenerator<double>::make(spec).value();
+  StepGenerator generator = StepGenerator::make(spec).value();
   std::vector<StepEdge> edges(generator.max_edges());
   const double offset = 98765.4321;
   ASSERT_TRUE(generator.place(offset));
@@ -315,7 +280,7 @@ TEST(StepGeneratorProperties, TheCountIsExactAfterTenMillionSteps) {
   for (int tick = 1; steps < wanted; ++tick) {
     const bool holds = tick % 1000 > 990;  // wherever it is
     if (!holds) seconds += 1e-3L;
-    Setpoint<double> end = rounded<double>(swung(swings, seconds));
+    Setpoint end = rounded(swung(swings, seconds));
     end.position += offset;
     if (holds) end.velocity = end.acceleration = 0;
     const Result<std::size_t> size = generator.advance(end, edges);

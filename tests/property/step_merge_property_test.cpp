@@ -20,14 +20,14 @@ namespace step_merge_property_test {
 /// One of the axes of a chip, and whether what the chip does is what its generator asked for.
 class Axis {
  public:
-  Axis(const StepSpec<double>& spec, std::int32_t step_line)
+  Axis(const StepSpec& spec, std::int32_t step_line)
       : lines({.step = step_line, .dir = step_line - 1, .timing = spec.timing}),
         run_(spec),
         stepper_(SimulatedStepper::make(settings(spec), 0).value()) {}
 
   /// Its edges of the next tick.
   std::span<const StepEdge> tick(std::int64_t start_ns) {
-    const Setpoint<double> next = random_next(at_, run_.generator.spec());
+    const Setpoint next = random_next(at_, run_.generator.spec());
     start_ns_ = start_ns;
     next_ = 0;
     edges_ = {};
@@ -59,16 +59,16 @@ class Axis {
   StepLines lines;
 
  private:
-  [[nodiscard]] SimulatedStepper::Settings settings(const StepSpec<double>& spec) const {
+  [[nodiscard]] SimulatedStepper::Settings settings(const StepSpec& spec) const {
     SimulatedStepper::Settings settings;
     settings.lines = lines;
     settings.steps_per_unit = spec.steps_per_unit;
     return settings;
   }
 
-  StepRun<double> run_;
+  StepRun run_;
   SimulatedStepper stepper_;
-  Setpoint<double> at_;
+  Setpoint at_;
   std::span<const StepEdge> edges_;
   std::int64_t start_ns_ = 0;
   std::size_t next_ = 0;
@@ -83,7 +83,7 @@ TEST(StepMergeProperties, EdgesKeepTheMinimaOfEveryAxisAndAreAtMostAGrainLate) {
     std::vector<Axis> axes;
     std::vector<StepLines> lines;
     for (std::int32_t line = 63; line > 55; line -= 2) {
-      StepSpec<double> spec = random_spec<double>();
+      StepSpec spec = random_spec();
       spec.tick_ns = tick_ns;
       spec.max_step_rate = std::min(spec.max_step_rate, 40e3);
       axes.emplace_back(spec, line);

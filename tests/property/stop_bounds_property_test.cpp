@@ -26,14 +26,14 @@ namespace stop_bounds_property_test {
 constexpr double fps = 24;
 constexpr int steps_of_a_stop = 1500;
 
-FrameTime<double> frame_time(double u) {
+FrameTime frame_time(double u) {
   const double frame = std::floor(u * fps);
   return {static_cast<std::int32_t>(frame), std::min(u * fps - frame, 1 - 1e-16)};
 }
 
-oracle::PlayheadRule rule_of(const StopBounds<double>& bounds, double cell_seconds, bool forward) {
+oracle::PlayheadRule rule_of(const StopBounds& bounds, double cell_seconds, bool forward) {
   const auto at = [&bounds](double u) {
-    const StopBound<double> bound = bounds.at(frame_time(u));
+    const StopBound bound = bounds.at(frame_time(u));
     return oracle::PlayheadBound{bound.rate_change, bound.rate_jerk, bound.release_jerk};
   };
   return {at, cell_seconds, bounds.rate(), forward};
@@ -48,15 +48,15 @@ double any_share() {
 
 /// A solved move, or any part of it, with the rolls that it needs, of any length.
 struct PlayedMove {
-  TrackInput<double> input;
-  SolvedTrack<double> solution;
+  TrackInput input;
+  SolvedTrack solution;
   WholeFrames part;
-  std::vector<RollAxis<double>> before, after;
-  std::optional<Move<double>> move;
+  std::vector<RollAxis> before, after;
+  std::optional<Move> move;
   std::optional<FittedTrajectory> fitted;
   std::optional<Trajectory> trajectory;
   std::optional<PlayedMotion> motion;
-  std::vector<AxisPeaks<double>> peaks;
+  std::vector<AxisPeaks> peaks;
 
   explicit PlayedMove(const RandomMove& random)
       : input(random), solution(input.spec, Solver::closed_form), part{0, random.frames} {
@@ -69,22 +69,21 @@ struct PlayedMove {
     fitted.emplace(track());
     trajectory = **fitted;
     if (!roll(RollEnd::before, before) || !roll(RollEnd::after, after)) return;
-    move = *Move<double>::make({&solution.track(), 1}, {before, after}, part);
+    move = *Move::make({&solution.track(), 1}, {before, after}, part);
     motion = PlayedMotion::make(*move, {&*trajectory, 1}).value();
   }
-  const Track<double>& track() const { return solution.track(); }
+  const Track& track() const { return solution.track(); }
 
  private:
-  bool roll(RollEnd end, std::vector<RollAxis<double>>& out) {
-    std::vector<AxisMotion<double>> joints(peaks.size());
+  bool roll(RollEnd end, std::vector<RollAxis>& out) {
+    std::vector<AxisMotion> joints(peaks.size());
     if (!joints_of_part({&solution.track(), 1}, {&*trajectory, 1}, part, end, joints)) return true;
     const RollSpan span{end, end == RollEnd::before ? part.first : part.last, any_int(4, 60), {24, 1}};
     for (std::size_t d = 0; d < peaks.size(); ++d) {
-      const auto axis = RollAxis<double>::make(span, joints[d]);
+      const auto axis = RollAxis::make(span, joints[d]);
       if (!axis) return false;
       out.push_back(*axis);
-      for (auto quantity :
-           {&AxisPeaks<double>::velocity, &AxisPeaks<double>::acceleration, &AxisPeaks<double>::jerk}) {
+      for (auto quantity : {&AxisPeaks::velocity, &AxisPeaks::acceleration, &AxisPeaks::jerk}) {
         (peaks[d].*quantity).value = std::max((peaks[d].*quantity).value, (axis->peaks().*quantity).value);
       }
     }
@@ -93,12 +92,12 @@ struct PlayedMove {
 };
 
 /// Stop limits a little above the peaks, with and without jerk; none where a peak has no bound.
-std::vector<AxisLimits<double>> limits_near(const std::vector<AxisPeaks<double>>& peaks, double rate) {
-  std::vector<AxisLimits<double>> limits;
+std::vector<AxisLimits> limits_near(const std::vector<AxisPeaks>& peaks, double rate) {
+  std::vector<AxisLimits> limits;
   const bool with_jerk = any_int(0, 3) > 0;
   const auto above = [](double peak) { return peak > 0 ? peak * (1.05 + 0.95 * any_share()) : 1.0; };
-  for (const AxisPeaks<double>& axis : peaks) {
-    AxisLimitsSpec<double> spec{.min = -1e119, .max = 1e119};
+  for (const AxisPeaks& axis : peaks) {
+    AxisLimitsSpec spec{.min = -1e119, .max = 1e119};
     spec.max_velocity = above(axis.velocity.value);
     spec.max_acceleration =
         above(std::max(axis.acceleration.value * rate * rate, 0.1 * axis.velocity.value * rate));
@@ -108,7 +107,7 @@ std::vector<AxisLimits<double>> limits_near(const std::vector<AxisPeaks<double>>
           above(std::max(axis.jerk.value * rate * rate * rate, 0.1 * spec.max_acceleration * rate));
       spec.stop_jerk = spec.max_jerk;
     }
-    const auto made = AxisLimits<double>::make(spec);
+    const auto made = AxisLimits::make(spec);
     if (!made) return {};
     limits.push_back(*made);
   }
@@ -124,7 +123,7 @@ struct Counts {
 /// What the axes do under the playhead, against their limits.
 class AxesUnderPlayhead {
  public:
-  AxesUnderPlayhead(const PlayedMotion& move, const std::vector<AxisLimits<double>>& limits, Counts& counts)
+  AxesUnderPlayhead(const PlayedMotion& move, const std::vector<AxisLimits>& limits, Counts& counts)
       : move_(move), limits_(limits), counts_(counts), motion_(limits.size()) {}
 
   void operator()(const oracle::PlayheadStep& step) {
@@ -137,7 +136,7 @@ class AxesUnderPlayhead {
     move_.motion(frame_time(step.u), motion_);
     const double r = step.rate;
     for (std::size_t d = 0; d < limits_.size(); ++d) {
-      const AxisMotion<double>& p = motion_[d];
+      const AxisMotion& p = motion_[d];
       const double acceleration = std::fabs(p.acceleration * r * r + p.velocity * step.change);
       keep(d, "acceleration", acceleration, limits_[d].stop_acceleration(), counts_.nearest_acceleration,
            step);
@@ -159,17 +158,17 @@ class AxesUnderPlayhead {
   }
 
   const PlayedMotion& move_;
-  const std::vector<AxisLimits<double>>& limits_;
+  const std::vector<AxisLimits>& limits_;
   Counts& counts_;
-  std::vector<AxisMotion<double>> motion_;
+  std::vector<AxisMotion> motion_;
 };
 
 /// Anywhere, forward or reverse, in any permitted state; often at its border.
-oracle::PlayheadState any_state(const Move<double>& move, const StopBounds<double>& bounds) {
+oracle::PlayheadState any_state(const Move& move, const StopBounds& bounds) {
   oracle::PlayheadState state;
   state.u = (move.first_frame() + any_share() * (move.last_frame() - move.first_frame())) / fps;
   state.rate = bounds.rate() * (any_int(0, 3) == 0 ? 1 : any_share());
-  const StopBound<double> bound = bounds.at(frame_time(state.u));
+  const StopBound bound = bounds.at(frame_time(state.u));
   const bool braking = any_int(0, 2) == 0;
   const double room = braking ? state.rate : bounds.rate() - state.rate;
   const double most = std::min(bound.rate_change, std::sqrt(2 * room * bound.release_jerk)) * (1 - 1e-12);
@@ -177,9 +176,9 @@ oracle::PlayheadState any_state(const Move<double>& move, const StopBounds<doubl
   return state;
 }
 
-void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bounds, double cell_seconds,
-                   bool forward, AxesUnderPlayhead& axes, Counts& counts) {
-  const StopLength<double> predicted = bounds.stop_from(frame_time(state.u), forward);
+void brake_to_rest(oracle::PlayheadState& state, const StopBounds& bounds, double cell_seconds, bool forward,
+                   AxesUnderPlayhead& axes, Counts& counts) {
+  const StopLength predicted = bounds.stop_from(frame_time(state.u), forward);
   const oracle::StoppingPlayhead playhead(rule_of(bounds, cell_seconds, forward),
                                           predicted.seconds / steps_of_a_stop);
   const double begin = state.u;
@@ -187,7 +186,7 @@ void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bound
   while (state.rate > 0 || state.change > 0) {
     const double taken = playhead.step(state, false, std::ref(axes));
     if (taken == 0) {
-      const StopBound<double> bound = bounds.at(frame_time(state.u));
+      const StopBound bound = bounds.at(frame_time(state.u));
       RC_LOG() << "no way on at u " << state.u << ", r " << state.rate << ", a " << state.change << "; R1 "
                << bound.rate_change << ", R2 " << bound.rate_jerk << ", Q " << bound.release_jerk << "\n";
       RC_FAIL("not viable");
@@ -204,8 +203,8 @@ void brake_to_rest(oracle::PlayheadState& state, const StopBounds<double>& bound
 }
 
 /// A stop; or a stop that is taken back half-way, once or twice, and then goes through.
-void stop_once(const PlayedMove& played, const std::vector<AxisLimits<double>>& limits,
-               const StopBounds<double>& bounds, double cell_seconds, Counts& counts) {
+void stop_once(const PlayedMove& played, const std::vector<AxisLimits>& limits, const StopBounds& bounds,
+               double cell_seconds, Counts& counts) {
   const bool forward = any_int(0, 2) == 0;
   const oracle::PlayheadState begin = any_state(*played.move, bounds);
   const double seconds = bounds.stop_from(frame_time(begin.u), forward).seconds;
@@ -235,17 +234,17 @@ TEST(StopBoundsProperty, EveryStopKeepsTheStopLimitsAndEndsWherePredicted) {
     const PlayedMove played(random);
     if (!played.move || played.track().arc_length().total() == 0) return;
     const double rate = any_int(0, 2) == 0 ? 1 : 0.25 + 1.75 * any_share();
-    const std::vector<AxisLimits<double>> limits = limits_near(played.peaks, rate);
+    const std::vector<AxisLimits> limits = limits_near(played.peaks, rate);
     if (limits.empty()) {
       ++counts.unbounded;
       return;
     }
     const auto cells = static_cast<std::size_t>(any_int(1, 300));
-    std::vector<StopCell<double>> stop_cells(cells + 1);
-    std::vector<AxisPeaks<double>> stop_peaks(limits.size());
+    std::vector<StopCell> stop_cells(cells + 1);
+    std::vector<AxisPeaks> stop_peaks(limits.size());
     const BoundedMove bounded =
-        bounded_cells<double>(*played.move, {&played.track(), 1}, limits, cells, rate, 1.0 / 250);
-    const auto bounds = StopBounds<double>::make({bounded.cells(), limits, rate}, stop_cells, stop_peaks);
+        bounded_cells(*played.move, {&played.track(), 1}, limits, cells, rate, 1.0 / 250);
+    const auto bounds = StopBounds::make({bounded.cells(), limits, rate}, stop_cells, stop_peaks);
     ++counts.moves;
     if (played.part.last - played.part.first < random.frames) ++counts.parts;
     if (!bounds) {

@@ -48,8 +48,8 @@ TEST(TakeUpProperty, ItStaysInsideItsPeaksAndTheLoadIsWhereTheAxisIs) {
     const double count = any_number(0, 0.1) * play;
     const bool up = *rc::gen::arbitrary<bool>();
     const int ticks = *rc::gen::inRange(1, 60);
-    TakeUp<double> take_up(
-        {.way = up ? -play : play, .approach_is_up = up, .ticks = ticks, .min_return = count}, tick_s);
+    TakeUp take_up({.way = up ? -play : play, .approach_is_up = up, .ticks = ticks, .min_return = count},
+                   tick_s);
     const auto [velocity, acceleration, jerk] = take_up_peaks(play, ticks * tick_s);
     const std::vector<double> way = any_way(count);
     // Mirrored where the approach is down: the gear of the oracle pushes upward.
@@ -58,7 +58,7 @@ TEST(TakeUpProperty, ItStaysInsideItsPeaksAndTheLoadIsWhereTheAxisIs) {
     std::array<double, 4> last{};  // the newest first
     bool was_under_way = false;
     for (const double position : way) {
-      const Setpoint<double> more = take_up.follow(position);
+      const Setpoint more = take_up.follow(position);
       std::copy_backward(last.begin(), last.end() - 1, last.end());
       last[0] = more.position;
       constexpr double rounding = 1 + 1e-9;
@@ -86,7 +86,7 @@ TEST(TakeUpProperty, WhenSetpointsCeaseItStaysAndBeginsAnewFromThere) {
   check_property(1000, [] {
     const double play = any_number(0.01, 1);
     const int ticks = *rc::gen::inRange(2, 60);
-    TakeUp<double> take_up({.way = -play, .ticks = ticks}, tick_s);
+    TakeUp take_up({.way = -play, .ticks = ticks}, tick_s);
     take_up.follow(0);
     const int until = *rc::gen::inRange(1, ticks);
     double told = 0;

@@ -31,12 +31,12 @@ void expect_near(double value, long double expected, long double tolerance) {
 }
 
 /// A time anywhere in a move, rather often on a frame.
-FrameTime<double> random_time(std::int32_t frames) {
+FrameTime random_time(std::int32_t frames) {
   const int part = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-200, 1000));
   return {*rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, frames)), std::max(part, 0) / 1000.0};
 }
 
-long double frame_of(const FrameTime<double>& time) {
+long double frame_of(const FrameTime& time) {
   return static_cast<long double>(time.frame) + widened(time.fraction);
 }
 
@@ -49,7 +49,7 @@ struct Sensitivity {
   long double per_second[4]  ///< s', and what the speed curve adds to s'' and s''', as powers of it
       = {};
 
-  Sensitivity(const oracle::Path& path, oracle::Place place, const AlongPath<double>& along) {
+  Sensitivity(const oracle::Path& path, oracle::Place place, const AlongPath& along) {
     const auto weighted = [&](int order) {
       long double sum = 0;
       for (int axis = 0; axis < path.axes(); ++axis) {
@@ -97,13 +97,13 @@ TEST(TrackProperty, EveryDerivativeBetweenFramesIsTheOracles) {
     const RandomMove move = *regular_move();
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
-    TrackInput<double> input(move);
+    TrackInput input(move);
     input.spec.arc_length.delta = 1e-9;
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Track<double>& track = solved.track();
-    std::vector<AxisMotion<double>> axes(static_cast<std::size_t>(path.axes()));
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const Track& track = solved.track();
+    std::vector<AxisMotion> axes(static_cast<std::size_t>(path.axes()));
     for (int i = 0; i < 3; ++i) {
-      const FrameTime<double> time = random_time(move.frames);
+      const FrameTime time = random_time(move.frames);
       const std::optional<oracle::Motion> expected = motion_of(path, profile, move.frames, frame_of(time));
       const oracle::Place place = oracle::row_at(path, profile, move.frames, frame_of(time)).place;
       if (!expected || path.speed(place.segment, place.t) == 0) continue;  // nothing moves
@@ -136,17 +136,17 @@ TEST(TrackProperty, AlongThePathEveryDerivativeIsTheDrawnCurvesAtAnyTime) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
-    TrackInput<double> input(move);
+    TrackInput input(move);
     input.spec.arc_length.delta = 1e-9;
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const FrameTime<double> time = random_time(move.frames);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const FrameTime time = random_time(move.frames);
     const oracle::Row row = oracle::row_at(path, profile, move.frames, frame_of(time));
     const long double scale =
         path.total_length() / profile.integral(static_cast<long double>(profile.spans()));
     const long double rate =
         24 * static_cast<long double>(profile.spans()) / static_cast<long double>(move.frames);
     const long double largest = widened(*std::ranges::max_element(move.speed));
-    const AlongPath<double> along = solved.track().along(time);
+    const AlongPath along = solved.track().along(time);
     // The phase a is rounded, and with it the derivatives; the length is known to twelve digits.
     const long double exact = 1e-12L * scale * largest * rate;
     expect_near(along.speed, row.speed * 24, exact);
@@ -163,11 +163,11 @@ TEST(TrackProperty, TheTickIsOnThePathWhereTheOraclePutsIt) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
     for (int i = 0; i < 4; ++i) {
-      const FrameTime<double> time = random_time(move.frames);
-      const PathPoint<double> point = solved.track().locate(time);
+      const FrameTime time = random_time(move.frames);
+      const PathPoint point = solved.track().locate(time);
       const oracle::Place place = point.segment == path.segments()
                                       ? oracle::Place{point.segment - 1, 1}
                                       : oracle::Place{point.segment, widened(std::clamp(point.t, 0.0, 1.0))};
@@ -185,15 +185,15 @@ TEST(TrackProperty, RowsReadAsTheOracleDrawsThem) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
     const std::vector<oracle::Row> expected = oracle::frame_table(path, profile, move.frames);
-    TrackInput<double> input(move);
+    TrackInput input(move);
     input.spec.arc_length.delta = 1e-9;
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
     long double fastest = 0;
     for (const oracle::Row& row : expected) fastest = std::max(fastest, row.speed);
     const long double rate =
         static_cast<long double>(profile.spans()) / static_cast<long double>(move.frames);
     for (std::int32_t frame = 0; frame <= move.frames; ++frame) {
-      const FrameRow<double> row = frame_row(solved.track(), solved.table(), frame);
+      const FrameRow row = frame_row(solved.track(), solved.table(), frame);
       const oracle::Row& drawn = expected[static_cast<std::size_t>(frame)];
       RC_LOG() << "frame " << frame << '\n';
       expect_near(row.alpha, drawn.alpha, 1e-14L);
@@ -203,57 +203,6 @@ TEST(TrackProperty, RowsReadAsTheOracleDrawsThem) {
                                   profile.integral(static_cast<long double>(profile.spans()));
       expect_near(row.acceleration, drawn.acceleration * 576, 1e-12L * 576 * largest);
     }
-  });
-}
-
-// --- one precision against the other
-
-/// The same move with numbers that a float holds, or nothing where float cannot tell its keys apart.
-std::optional<RandomMove> rounded_to_float(RandomMove move) {
-  long double least = std::numeric_limits<long double>::max();
-  long double largest = 0;
-  const std::vector<long double> first = move.keys.at.front();
-  for (std::vector<long double>& key : move.keys.at) {
-    for (std::size_t d = 0; d < key.size(); ++d) {
-      key[d] = static_cast<long double>(static_cast<float>(key[d]));
-      if (key[d] != 0) least = std::min(least, std::fabs(key[d]));
-      largest = std::max(largest, std::fabs(key[d]));
-    }
-  }
-  for (auto& shape : move.keys.tension_continuity_bias) {
-    for (long double& parameter : shape) parameter = static_cast<long double>(static_cast<float>(parameter));
-  }
-  for (long double& weight : move.keys.weights) weight = static_cast<long double>(static_cast<float>(weight));
-  if (largest > 1e12L || least < 1e-12L) return std::nullopt;
-  try {
-    if (oracle::Path(move.keys).slowest() < 1e-2L) return std::nullopt;
-  } catch (const std::invalid_argument&) {
-    return std::nullopt;
-  }
-  return move;
-}
-
-TEST(TrackProperty, FloatIsWithinAFewMillionthsOfTheDoublesPath) {
-  check_property(many_moves, [] {
-    const std::optional<RandomMove> move = rounded_to_float(*regular_move());
-    RC_PRE(move.has_value());
-    const oracle::Path path(move->keys);
-    const TrackInput<double> double_input(*move);
-    const TrackInput<float> float_input(*move);
-    const SolvedTrack<double> in_double(double_input.spec, Solver::closed_form);
-    const SolvedTrack<float> in_float(float_input.spec, Solver::closed_form);
-    const auto double_places = oracle_places(in_double.track(), in_double.table());
-    const auto float_places = oracle_places(in_float.track(), in_float.table());
-    const auto place = [](const std::pair<int, double>& at) {
-      return oracle::Place{at.first, widened(at.second)};
-    };
-    for (std::size_t frame = 0; frame < double_places.size(); ++frame) {
-      const long double off =
-          std::fabs(path.travelled(place(double_places[frame]), place(float_places[frame])));
-      RC_LOG() << "frame " << frame << " is off by " << off / path.total_length() << " of the length\n";
-      RC_ASSERT(off <= 5e-6L * path.total_length());
-    }
-    RC_ASSERT(check_invariants(in_float.track(), in_float.table()).has_value());
   });
 }
 

@@ -34,7 +34,7 @@ void show(const RandomMove& move) {
 /// What the rounding of positions, and of the distance, may add to the derivatives on the piece at a frame.
 MotionTriple noise_at(const FittedTrajectory& fitted, std::size_t axis, double frame) {
   const double whole = std::floor(frame);
-  const FrameTime<double> time{static_cast<std::int32_t>(whole), frame - whole};
+  const FrameTime time{static_cast<std::int32_t>(whole), frame - whole};
   const std::size_t here = time < fitted->end() ? fitted->piece_at(time) : fitted->pieces().size() - 1;
   // The peak may stand at a joint.
   double seconds = fitted->pieces()[here].seconds;
@@ -54,18 +54,17 @@ MotionTriple noise_at(const FittedTrajectory& fitted, std::size_t axis, double f
 }
 
 /// Of each derivative, where it is largest.
-MotionTriple noise_at_peaks(const FittedTrajectory& fitted, std::size_t axis,
-                            const AxisPeaks<double>& peaks) {
+MotionTriple noise_at_peaks(const FittedTrajectory& fitted, std::size_t axis, const AxisPeaks& peaks) {
   return {noise_at(fitted, axis, peaks.velocity.frame)[0],
           noise_at(fitted, axis, peaks.acceleration.frame)[1], noise_at(fitted, axis, peaks.jerk.frame)[2]};
 }
 
 /// Whether no peak is so narrow, beside a near-cusp, that it is passed in a few of the last digits of
 /// positions and times: a ten-millionth of the move.
-bool is_resolved(const Track<double>& track, const std::vector<AxisPeaks<double>>& peaks) {
+bool is_resolved(const Track& track, const std::vector<AxisPeaks>& peaks) {
   double acceleration = 0;
   double jerk = 0;
-  for (const AxisPeaks<double>& axis : peaks) {
+  for (const AxisPeaks& axis : peaks) {
     acceleration = std::max(acceleration, axis.acceleration.value);
     jerk = std::max(jerk, axis.jerk.value);
   }
@@ -77,20 +76,20 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
   check_property(many_moves, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Track<double>& track = solved.track();
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const Track& track = solved.track();
     if (track.arc_length().total() == 0) return;
     if (!is_resolved(track, bounds_of_track(track).peaks())) return;
     const FittedTrajectory fitted(track);
     most = std::max(most, fitted->pieces().size());
-    const std::vector<AxisPeaks<double>> peaks = bounds_of_track(track).peaks();
+    const std::vector<AxisPeaks> peaks = bounds_of_track(track).peaks();
     const std::size_t axes = fitted->axis_count();
-    std::vector<AxisMotion<double>> asked(axes), played(axes);
+    std::vector<AxisMotion> asked(axes), played(axes);
     std::vector<double> positions(axes);
     for (int k = 0; k < 400; ++k) {
       const double frames = (k + 0.31830988) / 400 * track.frames();
-      const FrameTime<double> time{static_cast<std::int32_t>(frames), frames - std::floor(frames)};
+      const FrameTime time{static_cast<std::int32_t>(frames), frames - std::floor(frames)};
       const SampledSpeed speed = fitted.sampler().sample(time, asked);
       fitted->motion(time, played);
       fitted->positions(time, positions);
@@ -126,9 +125,9 @@ TEST(TrajectoryProperty, EveryJointTheFirstAndTheLastPositionAreThoseOfTheTrack)
   check_property(many_moves, [&] {
     const RandomMove move = *random_move();
     show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Track<double>& track = solved.track();
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const Track& track = solved.track();
     if (track.arc_length().total() == 0) return;
     const FittedTrajectory fitted(track);
     const std::size_t axes = fitted->axis_count();
@@ -151,17 +150,17 @@ TEST(TrajectoryProperty, ItsCountsInFloatAreWithinATwentiethOfACount) {
   check_property(many_moves, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-    const Track<double>& track = solved.track();
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const Track& track = solved.track();
     if (track.arc_length().total() == 0 || track.frames() < 12) return;
     const FittedTrajectory fitted(track);
     const std::size_t axes = fitted->axis_count();
-    std::vector<AxisPeaks<double>> peaks(axes);
+    std::vector<AxisPeaks> peaks(axes);
     bound_trajectory(*fitted, peaks);
     double reach = 0;
     double speed = 0;
-    for (const AxisPeaks<double>& axis : peaks) {
+    for (const AxisPeaks& axis : peaks) {
       reach = std::max({reach, std::fabs(axis.lowest.value), std::fabs(axis.highest.value)});
       speed = std::max(speed, axis.velocity.value / track.frame_rate().frames_per_second());
     }
@@ -171,8 +170,8 @@ TEST(TrajectoryProperty, ItsCountsInFloatAreWithinATwentiethOfACount) {
     std::vector<double> positions(axes);
     for (int k = 0; k < 200; ++k) {
       const double frames = (k + 0.31830988) / 200 * track.frames();
-      const FrameTime<float> time{static_cast<std::int32_t>(frames),
-                                  static_cast<float>(frames - std::floor(frames))};
+      const FloatFrameTime time{static_cast<std::int32_t>(frames),
+                                static_cast<float>(frames - std::floor(frames))};
       fitted->positions({time.frame, time.fraction}, positions);
       for (std::size_t d = 0; d < axes; ++d) {
         const CountTrajectory::Position found = counts->position(time, d);
@@ -193,12 +192,12 @@ void check_bounded(int cases, const Work& work) {
   check_property(cases, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput<double> input(move);
-    const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+    const TrackInput input(move);
+    const SolvedTrack solved(input.spec, Solver::closed_form);
     if (solved.track().arc_length().total() == 0) return;
     if (!is_resolved(solved.track(), bounds_of_track(solved.track()).peaks())) return;
     const FittedTrajectory fitted(solved.track());
-    std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
+    std::vector<AxisPeaks> peaks(fitted->axis_count());
     bound_trajectory(*fitted, peaks);
     work(fitted, peaks);
   });

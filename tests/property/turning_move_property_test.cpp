@@ -101,9 +101,9 @@ TEST(TurningMoveProperty, IsRefusedForWhatItDoesAndForNothingElse) {
     RC_ASSERT(met.has_value());
     oracle::RestingMotion motion(random.keys, plan->tracks()[0].control_values(), random.frames, 24, *met);
     const std::vector<oracle::RestPeaks> truth = motion.peaks();
-    const Track<double>& track = plan->tracks()[0].track();
+    const Track& track = plan->tracks()[0].track();
     const BoundedMove bounded = bounds_of_track(track);
-    const std::vector<AxisPeaks<double>>& peaks = bounded.peaks();
+    const std::vector<AxisPeaks>& peaks = bounded.peaks();
     ++compared;
     long double quickest = 0;
     long double hardest = 0;
@@ -246,7 +246,7 @@ TEST(TurningMoveProperty, ARestInsideASegmentIsBoundedByItsMotionOverTime) {
     const std::vector<oracle::RestPeaks> truth = motion.peaks();
     RC_ASSERT(!motion.passes_standstill());
     const BoundedMove bounded = bounds_of_track(plan->tracks()[0].track());
-    const std::vector<AxisPeaks<double>>& peaks = bounded.peaks();
+    const std::vector<AxisPeaks>& peaks = bounded.peaks();
     ++compared;
     const double rate = plan->tracks()[0].track().curve_rate();
     for (std::size_t d = 0; d < truth.size(); ++d) {

@@ -168,12 +168,12 @@ KDL::Frame frame_of(const Model& model, const std::string& link, const Stance& s
 /// Of any link, in m.
 double largest_distance(const UrdfFile& file, const Model& model, const Stance& stance) {
   const Kinematics kinematics(file, parse_rig(stance.rig, "rig.toml"));
-  std::vector<Pose<double>> poses(kinematics.links().size());
+  std::vector<Pose> poses(kinematics.links().size());
   RC_ASSERT(kinematics.tree().poses(stance.coordinates, poses).has_value());
   double largest = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const KDL::Frame expected = frame_of(model, kinematics.links()[i], stance);
-    const auto distance = [](const Vector3<double>& v, const KDL::Vector& w) {
+    const auto distance = [](const Vector3& v, const KDL::Vector& w) {
       return std::hypot(v.x - w.x(), v.y - w.y(), v.z - w.z());
     };
     largest = std::max({largest, distance(poses[i].position, expected.p),

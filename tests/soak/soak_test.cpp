@@ -100,7 +100,7 @@ class Watched final : public LoopTask {
  public:
   Watched(RunLoop& loop, StagedMove& staged, std::int64_t ticks)
       : loop_(loop), transport_(loop, staged, false), last_tick_(ticks) {
-    const Move<double>& move = staged.plan().played();
+    const Move& move = staged.plan().played();
     end_.resize(move.axis_count());
     staged.plan().motion().positions({frames, 0}, end_);
     memory_.reserve(64);
@@ -117,7 +117,7 @@ class Watched final : public LoopTask {
       if (tick_ == last_tick_ + 1) transport_.press(TransportKey::quit);
       return;
     }
-    for (const Setpoint<double>& setpoint : loop_.setpoints()) {
+    for (const Setpoint& setpoint : loop_.setpoints()) {
       hash_.add(std::bit_cast<std::uint64_t>(setpoint.position), 8);
     }
     if (tick_ % ticks_of_a_loop != 0) return;

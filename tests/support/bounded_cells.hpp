@@ -14,19 +14,18 @@
 namespace inbetween {
 
 /// Of one track, or a part of it, without rolls.
-inline BoundedMove bounds_of_track(const Track<double>& track,
+inline BoundedMove bounds_of_track(const Track& track,
                                    const std::optional<WholeFrames>& part = std::nullopt) {
-  const std::span<const Track<double>> alone(&track, 1);
-  return {value_or_throw(Move<double>::make(alone, {}, part)), alone};
+  const std::span<const Track> alone(&track, 1);
+  return {value_or_throw(Move::make(alone, {}, part)), alone};
 }
 
 /// Its motion in cells, as stop bounds for these limits need it.
-template <Precise Real>
-BoundedMove bounded_cells(const Move<double>& move, std::span<const Track<double>> tracks,
-                          std::span<const AxisLimits<Real>> limits, std::size_t cells, Real rate,
-                          Real tick_seconds) {
+inline BoundedMove bounded_cells(const Move& move, std::span<const Track> tracks,
+                                 std::span<const AxisLimits> limits, std::size_t cells, double rate,
+                                 double tick_seconds) {
   std::vector<MotionTriple> room(limits.size());
-  write_room<Real>(limits, rate, tick_seconds, room);
+  write_room(limits, rate, tick_seconds, room);
   return BoundedMove(move, tracks, {.limits = {}, .motors = {}, .cells = cells, .room = room});
 }
 

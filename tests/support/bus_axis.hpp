@@ -90,7 +90,7 @@ class BusAxis {
   using Bus = typename Kind::Bus;
   using Frame = typename Bus::Frame;
   using Link = SimulatedLinkTo<Frame>;
-  using Port = can::BusPort<Bus, double, Link>;
+  using Port = can::BusPort<Bus, Link>;
   static constexpr std::int64_t tick_ns = 4'000'000;
   static constexpr double stands_at = 20;
 
@@ -124,7 +124,7 @@ class BusAxis {
   [[nodiscard]] bool has_power() const { return drive->state_name() == std::string(DriveInRig<Kind>::on); }
 
   /// One tick; no setpoint: none is written.
-  void tick(const std::optional<Setpoint<double>>& setpoint = {}) {
+  void tick(const std::optional<Setpoint>& setpoint = {}) {
     now_ns += tick_ns;
     port->read({&state, 1}, now_ns);
     if (state.condition > worst) worst = state.condition;
@@ -134,7 +134,7 @@ class BusAxis {
       port->write({}, now_ns);
     }
   }
-  void ticks(int count, const std::optional<Setpoint<double>>& setpoint = {}) {
+  void ticks(int count, const std::optional<Setpoint>& setpoint = {}) {
     for (int i = 0; i < count; ++i) tick(setpoint);
   }
   bool tick_until(const std::function<bool()>& holds, int most = 3000) {
@@ -148,7 +148,7 @@ class BusAxis {
     return tick_until([&] { return state.is_on || worst != DriveCondition::fine; }) && state.is_on;
   }
   /// A tick in a motion with its velocity, `s` seconds after it began: there and back, at rest at both ends.
-  [[nodiscard]] Setpoint<double> swing(double s) const {
+  [[nodiscard]] Setpoint swing(double s) const {
     constexpr double way = 5;
     constexpr double pi = 3.14159265358979323846;
     const double omega = 2 * pi / swing_s;
@@ -169,7 +169,7 @@ class BusAxis {
   std::vector<typename Port::Lane> lanes;
   std::array<typename Port::Axis, 1> axes{{{0, 0, Kind::scale_of(axis())}}};
   std::optional<Port> port;
-  DriveState<double> state{};
+  DriveState state{};
   DriveCondition worst = DriveCondition::fine;
   double from = stands_at;
   std::int64_t now_ns = 0;

@@ -57,7 +57,7 @@ struct CanCrane {
 
   Plan plan{parse_move(glide_of_crane, "move.toml"), parse_rig(rig_of_crane, "rig.toml"), {}};
   PlannedStops stops{plan};
-  Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
+  Playhead playhead{plan.played(), *stops.bounds(), 250};
   std::vector<std::size_t> drive_of{0, 1};
   std::deque<SimulatedCia402Drive> drives;
   SimulatedCanBus wire;
@@ -68,11 +68,11 @@ struct CanCrane {
   std::array<can::PortDrive, 2> known{};
   std::array<can::Frame, 64> frames{};
   std::vector<can::Cia402Lane<SimulatedLink>> lanes;
-  std::array<can::Cia402Axis<double>, 2> axes{{{0, 0, counts_per_unit}, {0, 1, counts_per_unit}}};
-  std::vector<can::Cia402Port<double, SimulatedLink>> port;
+  std::array<can::Cia402Axis, 2> axes{{{0, 0, counts_per_unit}, {0, 1, counts_per_unit}}};
+  std::vector<can::Cia402Port<SimulatedLink>> port;
   SimulatedLines lines;
   LoopStorage room{2, 2};
-  std::vector<MotionLoop<double, can::Cia402Port<double, SimulatedLink>, SimulatedLines>> loops;
+  std::vector<MotionLoop<can::Cia402Port<SimulatedLink>, SimulatedLines>> loops;
   std::int64_t now_ns = 0;
 
   /// The first drive counts from `first_counts` where its axis is at 10.
@@ -94,16 +94,14 @@ struct CanCrane {
     }
     bus.push_back(*can::Cia402Bus::make(hosts, {.host = *can::NodeId::make(127)}));
     lanes.push_back({&bus.front(), &link, targets, known, frames});
-    port.push_back(*can::Cia402Port<double, SimulatedLink>::make(lanes, axes));
+    port.push_back(*can::Cia402Port<SimulatedLink>::make(lanes, axes));
     loops.emplace_back(port.front(), lines, room.memory());
     EXPECT_TRUE(loop().load({&plan.motion(), &playhead, drive_of, plan.limits(), 1.0 / 250}));
   }
   CanCrane(const CanCrane&) = delete;
   CanCrane& operator=(const CanCrane&) = delete;
 
-  [[nodiscard]] MotionLoop<double, can::Cia402Port<double, SimulatedLink>, SimulatedLines>& loop() {
-    return loops.front();
-  }
+  [[nodiscard]] MotionLoop<can::Cia402Port<SimulatedLink>, SimulatedLines>& loop() { return loops.front(); }
   void tick(int count = 1) {
     for (int i = 0; i < count; ++i) {
       now_ns += tick_ns;
@@ -122,7 +120,7 @@ struct CanCrane {
     loop().post(SupervisorEvent::disarm);
     for (int ticks = 1;; ++ticks) {
       tick();
-      const bool leaves = std::ranges::any_of(loop().drive_states(), &DriveState<double>::is_leaving);
+      const bool leaves = std::ranges::any_of(loop().drive_states(), &DriveState::is_leaving);
       if (!leaves || ticks == 10'000) return ticks;
     }
   }

@@ -15,7 +15,7 @@ class EvenPieces {
       : values_(positions), buckets_(frames.size()) {
     for (std::uint32_t i = 0; i + 1 < frames.size(); ++i) {
       const double length = frames[i + 1] - frames[i];
-      pieces_.push_back({.begin = moved_by(FrameTime<double>{}, frames[i]),
+      pieces_.push_back({.begin = moved_by(FrameTime{}, frames[i]),
                          .inverse_frames = 1 / length,
                          .seconds = length / 24,
                          .begin_row = i,
@@ -25,7 +25,7 @@ class EvenPieces {
     }
     contents = {.axis_count = 1,
                 .fps = {24, 1},
-                .end = moved_by(FrameTime<double>{}, frames.back()),
+                .end = moved_by(FrameTime{}, frames.back()),
                 .pieces = pieces_,
                 .values = values_};
   }

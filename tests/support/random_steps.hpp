@@ -18,9 +18,8 @@ inline double between(double low, double high) {
 }
 
 /// At most about 40 steps a tick.
-template <Precise Real>
-StepSpec<Real> random_spec() {
-  StepSpec<Real> spec;
+inline StepSpec random_spec() {
+  StepSpec spec;
   const auto time = [](int most) -> std::int64_t { return *rc::gen::inRange(100, most); };
   spec.timing = {.pulse_ns = time(5000),
                  .pause_ns = time(5000),
@@ -29,15 +28,14 @@ StepSpec<Real> random_spec() {
   spec.tick_ns = *rc::gen::element<std::int64_t>(250'000, 1'000'000, 4'000'000);
   const double most = std::min(1e9 / static_cast<double>(min_period_ns(spec.timing)),
                                40e9 / static_cast<double>(spec.tick_ns));
-  spec.max_step_rate = static_cast<Real>(0.999 * most * between(0.05, 1));
+  spec.max_step_rate = static_cast<double>(0.999 * most * between(0.05, 1));
   const double scale = std::pow(10.0, between(-1, 3));
-  spec.steps_per_unit = static_cast<Real>(*rc::gen::arbitrary<bool>() ? scale : -scale);
+  spec.steps_per_unit = static_cast<double>(*rc::gen::arbitrary<bool>() ? scale : -scale);
   return spec;
 }
 
 /// A setpoint one tick behind another, so that the motion between them may turn several times.
-template <Precise Real>
-Setpoint<Real> random_next(const Setpoint<Real>& at, const StepSpec<Real>& spec) {
+inline Setpoint random_next(const Setpoint& at, const StepSpec& spec) {
   const double seconds = static_cast<double>(spec.tick_ns) * 1e-9;
   const double speed =
       0.8 * static_cast<double>(spec.max_step_rate) / std::fabs(static_cast<double>(spec.steps_per_unit));
@@ -47,8 +45,8 @@ Setpoint<Real> random_next(const Setpoint<Real>& at, const StepSpec<Real>& spec)
   const double acceleration = slowness * between(-speed, speed) * 3 / seconds;
   const double way =
       seconds * ((static_cast<double>(at.velocity) + velocity) / 2 + slowness * between(-speed, speed) / 5);
-  return {static_cast<Real>(static_cast<double>(at.position) + way), static_cast<Real>(velocity),
-          static_cast<Real>(acceleration)};
+  return {static_cast<double>(static_cast<double>(at.position) + way), static_cast<double>(velocity),
+          static_cast<double>(acceleration)};
 }
 
 }  // namespace inbetween

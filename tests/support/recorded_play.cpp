@@ -8,7 +8,7 @@
 
 namespace inbetween {
 
-RecordedPlay::RecordedPlay(const Plan& plan, const StopBounds<double>& bounds, double tick_s)
+RecordedPlay::RecordedPlay(const Plan& plan, const StopBounds& bounds, double tick_s)
     : plan_(plan), bounds_(bounds), tick_s_(tick_s), sizes_(plan.played().axis_count()) {
   for (std::int32_t frame = plan.played().first_frame(); frame <= plan.played().last_frame(); ++frame) {
     std::vector<double> at(sizes_.size());
@@ -17,14 +17,14 @@ RecordedPlay::RecordedPlay(const Plan& plan, const StopBounds<double>& bounds, d
   }
 }
 
-void RecordedPlay::complain(const std::string& words, const Playhead<double>& playhead) {
+void RecordedPlay::complain(const std::string& words, const Playhead& playhead) {
   if (!complaint_.empty()) return;
   complaint_ = fmt::format("{}, at frame {} + {}, rate {}, rate change {}; a tick before: {}", words,
                            playhead.time().frame, playhead.time().fraction, playhead.rate(),
                            playhead.rate_change(), before_);
 }
 
-void RecordedPlay::take(const Playhead<double>& playhead) {
+void RecordedPlay::take(const Playhead& playhead) {
   std::rotate(positions_.begin(), positions_.end() - 1, positions_.end());
   std::rotate(frames_.begin(), frames_.end() - 1, frames_.end());
   frames_.front() = playhead.time().frame + playhead.time().fraction;
@@ -32,7 +32,7 @@ void RecordedPlay::take(const Playhead<double>& playhead) {
   now.resize(sizes_.size());
   plan_.motion().positions(playhead.time(), now);
   count_ = std::min(count_ + 1, 4);
-  const StopBound<double> bound = bounds_.at(playhead.time());
+  const StopBound bound = bounds_.at(playhead.time());
   if (std::fabs(playhead.rate()) > bounds_.rate() * (1 + 1e-12)) complain("too fast", playhead);
   if (std::fabs(playhead.rate_change()) > bound.rate_change * (1 + 1e-6)) {
     complain(fmt::format("rate change above its bound {}", bound.rate_change), playhead);
@@ -51,9 +51,9 @@ bool RecordedPlay::is_across_step() const {
   });
 }
 
-void RecordedPlay::compare(std::size_t axis, const Playhead<double>& playhead) {
+void RecordedPlay::compare(std::size_t axis, const Playhead& playhead) {
   const auto at = [&](std::size_t ticks_ago) { return positions_[ticks_ago][axis]; };
-  const AxisLimits<double>& limits = plan_.limits()[axis];
+  const AxisLimits& limits = plan_.limits()[axis];
   // A position is known to a few roundings of its size and, through the fitted inverse, to a share of a step.
   const double rounding = 64 * std::numeric_limits<double>::epsilon() * sizes_[axis];
   if (count_ >= 3) {

@@ -18,12 +18,12 @@ namespace inbetween {
 /// neither may be above its limit, whatever happens between ticks.
 class RecordedPlay {
  public:
-  RecordedPlay(const Plan& plan, const StopBounds<double>& bounds, double tick_s);
+  RecordedPlay(const Plan& plan, const StopBounds& bounds, double tick_s);
 
   /// At these frames the acceleration may step: no jerk is compared across them.
   void allow_steps_at(std::vector<double> frames) { steps_ = std::move(frames); }
   /// Takes the place of the playhead after a tick (or before the first).
-  void take(const Playhead<double>& playhead);
+  void take(const Playhead& playhead);
   /// Forgets the setpoints so far: the next is not compared with them.
   void restart() { count_ = 0; }
   /// Across a step that was allowed, how often the jerk was above its limit.
@@ -36,11 +36,11 @@ class RecordedPlay {
 
  private:
   [[nodiscard]] bool is_across_step() const;
-  void compare(std::size_t axis, const Playhead<double>& playhead);
-  void complain(const std::string& words, const Playhead<double>& playhead);
+  void compare(std::size_t axis, const Playhead& playhead);
+  void complain(const std::string& words, const Playhead& playhead);
 
   const Plan& plan_;
-  const StopBounds<double>& bounds_;
+  const StopBounds& bounds_;
   double tick_s_;
   std::vector<double> sizes_;                     ///< of the positions, for their rounding
   std::array<std::vector<double>, 4> positions_;  ///< of the last four ticks, newest first

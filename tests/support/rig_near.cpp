@@ -36,8 +36,8 @@ std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish) {
   for (std::size_t d = 0; d < names.size(); ++d) {
     const CheckedAxis& found = loose.axes[d];
     RigAxis& axis = rig.axes[d];
-    const Peak<double>& lowest = found.range->lowest;
-    const Peak<double>& highest = found.range->highest;
+    const Peak& lowest = found.range->lowest;
+    const Peak& highest = found.range->highest;
     const double size = highest.value - lowest.value;
     const double largest = std::max(std::fabs(highest.value), std::fabs(lowest.value));
     if (!(size > 1e-6 * largest) || !std::isfinite(found.jerk.value) || largest > 1e9 || size < 1e-9) {

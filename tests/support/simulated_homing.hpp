@@ -14,53 +14,49 @@ namespace inbetween {
 
 /// An axis of a rig that does not know where it is, and its switch, whose place is in true positions.
 struct LostAxis {
-  FreeAxisLimits<double> limits;
-  HomingSpec<double> spec;
+  FreeAxisLimits limits;
+  HomingSpec spec;
   SimulatedSwitch::Settings there;
   double true_position = 0;  ///< where it is ...
   double position = 0;       ///< ... and where it takes itself to be
 };
 
-template <Precise Real>
-FreeAxisLimits<Real> as(const FreeAxisLimits<double>& limits) {
-  return {static_cast<Real>(limits.velocity), static_cast<Real>(limits.acceleration),
-          static_cast<Real>(limits.jerk), static_cast<Real>(limits.min), static_cast<Real>(limits.max)};
+inline FreeAxisLimits as(const FreeAxisLimits& limits) {
+  return {static_cast<double>(limits.velocity), static_cast<double>(limits.acceleration),
+          static_cast<double>(limits.jerk), static_cast<double>(limits.min), static_cast<double>(limits.max)};
 }
-template <Precise Real>
-HomingSpec<Real> as(const HomingSpec<double>& spec) {
+inline HomingSpec as(const HomingSpec& spec) {
   return {.towards_max = spec.towards_max,
-          .at = static_cast<Real>(spec.at),
-          .fast = static_cast<Real>(spec.fast),
-          .slow = static_cast<Real>(spec.slow),
-          .search = static_cast<Real>(spec.search),
-          .leave = static_cast<Real>(spec.leave),
-          .back_off = static_cast<Real>(spec.back_off),
+          .at = static_cast<double>(spec.at),
+          .fast = static_cast<double>(spec.fast),
+          .slow = static_cast<double>(spec.slow),
+          .search = static_cast<double>(spec.search),
+          .leave = static_cast<double>(spec.leave),
+          .back_off = static_cast<double>(spec.back_off),
           .home = spec.home};
 }
 
-/// Axes that are exactly where they were commanded to be a tick ago, and home in `Real`. What they did is
-/// kept.
-template <Precise Real>
-class SimulatedHomingIn {
+/// Axes that are exactly where they were commanded to be a tick ago, and home. What they did is kept.
+class SimulatedHoming {
  public:
-  SimulatedHomingIn(const std::vector<LostAxis>& lost, int rate_hz, std::uint32_t seed)
+  SimulatedHoming(const std::vector<LostAxis>& lost, int rate_hz, std::uint32_t seed)
       : lost_(lost), tick_ns_(1'000'000'000 / rate_hz) {
     axes_.reserve(lost.size());
     for (const LostAxis& each : lost_) {
-      axes_.push_back(*FreeAxis<Real>::make(as<Real>(each.limits), static_cast<Real>(each.position),
-                                            static_cast<Real>(tick_s())));
+      axes_.push_back(*FreeAxis::make(as(each.limits), static_cast<double>(each.position),
+                                      static_cast<double>(tick_s())));
       switches_.emplace_back(each.there, each.true_position,
                              seed + static_cast<std::uint32_t>(switches_.size()));
-      homings_.push_back(*AxisHoming<Real>::make(as<Real>(each.spec), axes_.back()));
+      homings_.push_back(*AxisHoming::make(as(each.spec), axes_.back()));
     }
     at_.resize(lost.size());
     for (std::size_t i = 0; i < lost.size(); ++i) at_[i] = axes_[i].state();
     inputs.resize(lost.size());
     read_levels();
-    homing_ = Homing<Real>(homings_, tick_ns_);
+    homing_ = Homing(homings_, tick_ns_);
   }
-  SimulatedHomingIn(const SimulatedHomingIn&) = delete;
-  SimulatedHomingIn& operator=(const SimulatedHomingIn&) = delete;
+  SimulatedHoming(const SimulatedHoming&) = delete;
+  SimulatedHoming& operator=(const SimulatedHoming&) = delete;
 
   Status start() { return homing_.start(now_ns_, inputs); }
 
@@ -72,7 +68,7 @@ class SimulatedHomingIn {
       events_.erase(events_.begin());
       if (!events_.empty()) events_.front().lost_before = true;
     }
-    std::vector<Setpoint<Real>> out(axes_.size());
+    std::vector<Setpoint> out(axes_.size());
     events_.insert(events_.end(), spikes.begin(), spikes.end());
     spikes.clear();
     std::ranges::sort(events_, {}, &LineEvent::at_ns);
@@ -103,11 +99,11 @@ class SimulatedHomingIn {
     return true;
   }
 
-  [[nodiscard]] Homing<Real>& homing() { return homing_; }
-  [[nodiscard]] const AxisHoming<Real>& axis(std::size_t i) const { return homings_[i]; }
-  [[nodiscard]] FreeAxis<Real>& free_axis(std::size_t i) { return axes_[i]; }
+  [[nodiscard]] Homing& homing() { return homing_; }
+  [[nodiscard]] const AxisHoming& axis(std::size_t i) const { return homings_[i]; }
+  [[nodiscard]] FreeAxis& free_axis(std::size_t i) { return axes_[i]; }
   [[nodiscard]] SimulatedSwitch& home_switch(std::size_t i) { return switches_[i]; }
-  [[nodiscard]] const Setpoint<Real>& setpoint(std::size_t i) const { return at_[i]; }
+  [[nodiscard]] const Setpoint& setpoint(std::size_t i) const { return at_[i]; }
   [[nodiscard]] std::int64_t now_ns() const { return now_ns_; }
   [[nodiscard]] double tick_s() const { return static_cast<double>(tick_ns_) / 1e9; }
   /// By how much an axis is wrong about where it is, once it is referenced.
@@ -127,7 +123,7 @@ class SimulatedHomingIn {
   bool loses_events = false;
 
  private:
-  [[nodiscard]] Setpoint<double> truly(std::size_t i, const Setpoint<Real>& setpoint) const {
+  [[nodiscard]] Setpoint truly(std::size_t i, const Setpoint& setpoint) const {
     return {.position = static_cast<double>(setpoint.position) + lost_[i].true_position - lost_[i].position,
             .velocity = static_cast<double>(setpoint.velocity),
             .acceleration = static_cast<double>(setpoint.acceleration)};
@@ -139,16 +135,14 @@ class SimulatedHomingIn {
   std::vector<LostAxis> lost_;
   std::int64_t tick_ns_;
   std::int64_t now_ns_ = 5'000'000'000;
-  std::vector<FreeAxis<Real>> axes_;
+  std::vector<FreeAxis> axes_;
   std::vector<SimulatedSwitch> switches_;
-  std::vector<AxisHoming<Real>> homings_;
-  Homing<Real> homing_{{}, 0};
-  std::vector<Setpoint<Real>> at_;
+  std::vector<AxisHoming> homings_;
+  Homing homing_{{}, 0};
+  std::vector<Setpoint> at_;
   std::vector<LineEvent> events_;
   double fastest_ = 0;
   double sharpest_ = 0;
 };
-
-using SimulatedHoming = SimulatedHomingIn<double>;
 
 }  // namespace inbetween

@@ -22,16 +22,16 @@ Spline spline_of(oracle::Kind kind) {
 
 }  // namespace
 
-template <Precise Real>
-TrackInput<Real>::TrackInput(const RandomMove& move) {
+TrackInput::TrackInput(const RandomMove& move) {
   for (const auto& key : move.keys.at) {
-    for (const long double value : key) keys.push_back(static_cast<Real>(value));
+    for (const long double value : key) keys.push_back(static_cast<double>(value));
   }
-  for (const long double weight : move.keys.weights) weights.push_back(static_cast<Real>(weight));
+  for (const long double weight : move.keys.weights) weights.push_back(static_cast<double>(weight));
   for (const auto& shape : move.keys.tension_continuity_bias) {
-    shapes.push_back({static_cast<Real>(shape[0]), static_cast<Real>(shape[1]), static_cast<Real>(shape[2])});
+    shapes.push_back(
+        {static_cast<double>(shape[0]), static_cast<double>(shape[1]), static_cast<double>(shape[2])});
   }
-  for (const double value : move.speed) control_values.push_back(static_cast<Real>(value));
+  for (const double value : move.speed) control_values.push_back(static_cast<double>(value));
   spec.path = {.spline = spline_of(move.keys.kind),
                .closed = move.keys.closed,
                .axis_count = static_cast<std::int32_t>(move.keys.at.front().size()),
@@ -43,11 +43,10 @@ TrackInput<Real>::TrackInput(const RandomMove& move) {
   spec.fps = {24, 1};
 }
 
-template <Precise Real>
-std::vector<std::pair<int, double>> oracle_places(const Track<Real>& track, const FrameTable<Real>& table) {
+std::vector<std::pair<int, double>> oracle_places(const Track& track, const FrameTable& table) {
   const std::int32_t segments = track.path().segment_count();
   std::vector<std::pair<int, double>> places;
-  for (const PathPoint<Real>& point : table.points()) {
+  for (const PathPoint& point : table.points()) {
     if (point.segment < segments) {
       places.emplace_back(point.segment, std::clamp(static_cast<double>(point.t), 0.0, 1.0));
     } else {
@@ -57,8 +56,7 @@ std::vector<std::pair<int, double>> oracle_places(const Track<Real>& track, cons
   return places;
 }
 
-std::optional<std::vector<oracle::MetKey>> met_keys(const RandomMove& move,
-                                                    const SolvedTrack<double>& solved) {
+std::optional<std::vector<oracle::MetKey>> met_keys(const RandomMove& move, const SolvedTrack& solved) {
   const std::vector<double>& values = solved.control_values();
   const auto f = static_cast<int>(values.size()) - 1;
   const oracle::Profile profile(values);
@@ -87,10 +85,5 @@ std::optional<std::vector<oracle::MetKey>> met_keys(const RandomMove& move,
   }
   return met;
 }
-
-template struct TrackInput<double>;
-template struct TrackInput<float>;
-template std::vector<std::pair<int, double>> oracle_places(const Track<double>&, const FrameTable<double>&);
-template std::vector<std::pair<int, double>> oracle_places(const Track<float>&, const FrameTable<float>&);
 
 }  // namespace inbetween

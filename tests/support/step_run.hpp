@@ -25,14 +25,13 @@ struct PutStep {
   std::int64_t dir_before_ns = 0;   ///< the one before that
 };
 
-template <Precise Real>
 class StepRun {
  public:
   static constexpr std::int64_t long_ago_ns = -1'000'000'000'000;
 
-  explicit StepRun(const StepSpec<Real>& spec) : StepRun(StepGenerator<Real>::make(spec).value()) {}
+  explicit StepRun(const StepSpec& spec) : StepRun(StepGenerator::make(spec).value()) {}
 
-  Result<std::size_t> tick(const Setpoint<Real>& end) {
+  Result<std::size_t> tick(const Setpoint& end) {
     const Result<std::size_t> size = generator.advance(end, memory_);
     if (!size) return size;
     last_tick = std::span<const StepEdge>(memory_).first(*size);
@@ -44,14 +43,14 @@ class StepRun {
     return size;
   }
 
-  StepGenerator<Real> generator;
+  StepGenerator generator;
   std::int64_t start_ns = 0;            ///< of the next tick
   std::span<const StepEdge> last_tick;  ///< from its own start
   std::vector<StepEdge> edges;
   std::vector<PutStep> steps;
 
  private:
-  explicit StepRun(const StepGenerator<Real>& made) : generator(made), memory_(made.max_edges()) {}
+  explicit StepRun(const StepGenerator& made) : generator(made), memory_(made.max_edges()) {}
 
   void take(const StepEdge& edge) {
     edges.push_back(edge);

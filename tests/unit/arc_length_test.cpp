@@ -18,66 +18,51 @@ namespace inbetween {
 namespace arc_length_test {
 
 /// A path and its arc length with the memory they stand in.
-template <Precise Real>
 class MeasuredPath {
  public:
-  explicit MeasuredPath(const PathSpec<Real>& spec, const ArcLengthOptions<Real>& options = {})
+  explicit MeasuredPath(const PathSpec& spec, const ArcLengthOptions& options = {})
       : memory_(std::make_unique<Memory>()),
-        path_(Path<Real>::make(spec, memory_->path.memory())),
-        arc_length_(ArcLength<Real>::make(*path_, options, memory_->arc_length.memory())) {}
+        path_(Path::make(spec, memory_->path.memory())),
+        arc_length_(ArcLength::make(*path_, options, memory_->arc_length.memory())) {}
 
-  const Path<Real>& path() const { return *path_; }
-  const ArcLength<Real>& operator*() const { return *arc_length_; }
-  const ArcLength<Real>* operator->() const { return &*arc_length_; }
+  const Path& path() const { return *path_; }
+  const ArcLength& operator*() const { return *arc_length_; }
+  const ArcLength* operator->() const { return &*arc_length_; }
 
   /// From the start to a point, in one number.
-  Real distance(const PathPoint<Real>& point) const { return arc_length_->distance(*path_, point).high; }
-  PathPoint<Real> locate(Real distance) const { return arc_length_->locate({distance, 0}); }
-  Real coordinate_at(Real distance, std::int32_t axis) const {
+  double distance(const PathPoint& point) const { return arc_length_->distance(*path_, point).high; }
+  PathPoint locate(double distance) const { return arc_length_->locate({distance, 0}); }
+  double coordinate_at(double distance, std::int32_t axis) const {
     return path_->position(locate(distance), axis);
   }
 
  private:
   struct Memory {
-    PathStorage<Real, 16, 4> path;
-    ArcLengthStorage<Real, 16, 4000> arc_length;
+    PathStorage<16, 4> path;
+    ArcLengthStorage<16, 4000> arc_length;
   };
   std::unique_ptr<Memory> memory_;
-  Result<Path<Real>> path_;
-  Result<ArcLength<Real>> arc_length_;
+  Result<Path> path_;
+  Result<ArcLength> arc_length_;
 };
-
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-
-template <class Real>
-class ArcLengthIn : public testing::Test {};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(ArcLengthIn, Precisions, PrecisionName);
 
 // --- closed forms
 
-TYPED_TEST(ArcLengthIn, StraightLinesHaveTheLengthOfTheirChords) {
-  using Real = TypeParam;
-  const std::vector<Real> keys{0, 0, 3, 4, 3, -8};
-  const MeasuredPath<Real> line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
-  const Real rounding = 64 * std::numeric_limits<Real>::epsilon();
+TEST(ArcLength, StraightLinesHaveTheLengthOfTheirChords) {
+  const std::vector<double> keys{0, 0, 3, 4, 3, -8};
+  const MeasuredPath line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
+  const double rounding = 64 * std::numeric_limits<double>::epsilon();
   EXPECT_NEAR(line->total(), 17, rounding);
   EXPECT_NEAR(line->segment_begin(1).high, 5, rounding);
-  EXPECT_NEAR(line.distance({1, Real(0.25)}), 8, rounding);
-  EXPECT_NEAR(line.coordinate_at(Real(2.5), 0), 1.5, rounding);
+  EXPECT_NEAR(line.distance({1, 0.25}), 8, rounding);
+  EXPECT_NEAR(line.coordinate_at(2.5, 0), 1.5, rounding);
   EXPECT_NEAR(line.coordinate_at(11, 1), -2, rounding);
 }
 
 TEST(ArcLength, IsMeasuredThroughTheWeights) {
   const std::vector<double> keys{0, 0, 3, 4};
   const std::vector<double> weights{4, 0.5};
-  const MeasuredPath<double> line(
-      {.spline = Spline::linear, .axis_count = 2, .keys = keys, .weights = weights});
+  const MeasuredPath line({.spline = Spline::linear, .axis_count = 2, .keys = keys, .weights = weights});
   EXPECT_DOUBLE_EQ(line->total(), std::sqrt(148.0));
 }
 
@@ -89,8 +74,7 @@ double parabola_length(double u) {
 TEST(ArcLength, AParabolaHasTheLengthOfItsFormula) {
   // The middle of these four Catmull-Rom segments' three is (u, u^2), u = 2 t - 1.
   const std::vector<double> keys{-3, 9, -1, 1, 1, 1, 3, 9};
-  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = keys},
-                                  {.delta = 1e-9});
+  const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = keys}, {.delta = 1e-9});
   const double before = path->segment_begin(1).high;
   EXPECT_NEAR(path->segment_begin(2).high - before, 2 * parabola_length(1), 1e-13);
   for (const double u : {-0.9, -0.5, 0.0, 0.3, 0.8}) {
@@ -109,7 +93,7 @@ double cusp_length(double u) {
 }
 
 TEST(ArcLength, ACuspHasTheLengthOfItsFormulaAndIsPassedAtIt) {
-  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
   const double cusp = path->segment_begin(1).high + cusp_length(1);
   EXPECT_NEAR(path->segment_begin(2).high - cusp, cusp_length(1), 1e-13);
   EXPECT_NEAR(path.coordinate_at(cusp, 0), 0, 1e-12);
@@ -120,16 +104,15 @@ TEST(ArcLength, ACuspHasTheLengthOfItsFormulaAndIsPassedAtIt) {
   }
 }
 
-TYPED_TEST(ArcLengthIn, TensionOneIsSmoothInTheSquareRootOfTheDistance) {
-  using Real = TypeParam;
+TEST(ArcLength, TensionOneIsSmoothInTheSquareRootOfTheDistance) {
   // One axis, P' = 0 at both keys: P = 3 t^2 - 2 t^3 is its own arc length.
-  const std::vector<Real> keys{0, 1};
-  const std::vector<KeyShape<Real>> shapes(2, {.tension = 1, .continuity = 0, .bias = 0});
-  const MeasuredPath<Real> path({.spline = Spline::tcb, .axis_count = 1, .keys = keys, .shapes = shapes});
-  const Real delta = Precision<Real>::default_delta;
+  const std::vector<double> keys{0, 1};
+  const std::vector<KeyShape> shapes(2, {.tension = 1, .continuity = 0, .bias = 0});
+  const MeasuredPath path({.spline = Spline::tcb, .axis_count = 1, .keys = keys, .shapes = shapes});
+  const double delta = Precision::default_delta;
   EXPECT_NEAR(path->total(), 1, delta);
   EXPECT_LE(path->piece_count(), 40);
-  for (const Real distance : {Real(1e-6), Real(1e-3), Real(0.2), Real(0.5), Real(0.9), Real(0.99999)}) {
+  for (const double distance : {1e-6, 1e-3, 0.2, 0.5, 0.9, 0.99999}) {
     EXPECT_NEAR(path.coordinate_at(distance, 0), distance, delta) << distance;
   }
 }
@@ -137,7 +120,7 @@ TYPED_TEST(ArcLengthIn, TensionOneIsSmoothInTheSquareRootOfTheDistance) {
 TEST(ArcLength, APathThatTurnsBackOnALineIsMeasuredBothWays) {
   // u^2 for u = 2 t - 1 in the middle: from 1 down to 0 and up again.
   const std::vector<double> keys{9, 1, 1, 9};
-  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 1, .keys = keys});
+  const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 1, .keys = keys});
   const double before = path->segment_begin(1).high;
   EXPECT_NEAR(path->segment_begin(2).high - before, 2, 1e-13);
   for (const double to_turn : {0.9, 0.1, 1e-3, 1e-6}) {
@@ -148,7 +131,7 @@ TEST(ArcLength, APathThatTurnsBackOnALineIsMeasuredBothWays) {
 
 TEST(ArcLength, APathBeyondItsEndGoesOnGrowing) {
   const std::vector<double> keys{0, 0, 3, 4};
-  const MeasuredPath<double> line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
+  const MeasuredPath line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
   EXPECT_DOUBLE_EQ(line.distance({1, 0}), 5);
   EXPECT_DOUBLE_EQ(line.distance({1, 0.5}), 7.5);
 }
@@ -157,49 +140,45 @@ TEST(ArcLength, APathBeyondItsEndGoesOnGrowing) {
 
 const std::vector<double> bent{0, 0, 1, 3, 7, 2, 7.5, 2.5, -4, -20, 5, 5};
 
-TYPED_TEST(ArcLengthIn, TheEndsOfThePathAreExact) {
-  using Real = TypeParam;
-  std::vector<Real> keys;
-  for (const double coordinate : bent) keys.push_back(static_cast<Real>(coordinate));
-  const MeasuredPath<Real> path({.axis_count = 2, .keys = keys});
-  const TwoSum<Real> total = path->segment_begin(5);
+TEST(ArcLength, TheEndsOfThePathAreExact) {
+  std::vector<double> keys;
+  for (const double coordinate : bent) keys.push_back(static_cast<double>(coordinate));
+  const MeasuredPath path({.axis_count = 2, .keys = keys});
+  const TwoSum total = path->segment_begin(5);
   EXPECT_EQ(path->total(), total.high);
-  EXPECT_EQ(path->locate({0, 0}), (PathPoint<Real>{0, 0}));
-  EXPECT_EQ(path->locate(total), (PathPoint<Real>{5, 0}));
-  EXPECT_EQ(path->locate({2 * path->total(), 0}), (PathPoint<Real>{5, 0}));
+  EXPECT_EQ(path->locate({0, 0}), (PathPoint{0, 0}));
+  EXPECT_EQ(path->locate(total), (PathPoint{5, 0}));
+  EXPECT_EQ(path->locate({2 * path->total(), 0}), (PathPoint{5, 0}));
   EXPECT_EQ(path.distance({0, 0}), 0);
   EXPECT_EQ(path.distance({5, 0}), path->total());
 }
 
 // A track of parts adds large parts that cancel, so that `high` may be well behind the end and `low` bring it
 // back.
-TYPED_TEST(ArcLengthIn, ADistanceOfTwoPartsIsBeforeTheEndWhenItsSumIs) {
-  using Real = TypeParam;
-  const std::vector<Real> keys{0, 0, 3, 4, 3, -8};
-  const MeasuredPath<Real> line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
-  const Real total = line->total();
-  const PathPoint<Real> point = line->locate({2 * total, -total - Real(0.25)});
+TEST(ArcLength, ADistanceOfTwoPartsIsBeforeTheEndWhenItsSumIs) {
+  const std::vector<double> keys{0, 0, 3, 4, 3, -8};
+  const MeasuredPath line({.spline = Spline::linear, .axis_count = 2, .keys = keys});
+  const double total = line->total();
+  const PathPoint point = line->locate({2 * total, -total - 0.25});
   EXPECT_EQ(point.segment, 1);
-  EXPECT_NEAR(line.path().position(point, 1), -7.75, 256 * std::numeric_limits<Real>::epsilon());
-  EXPECT_EQ(line->piece_of({2 * total, -total - Real(0.25)}),
-            static_cast<std::size_t>(line->piece_count() - 1));
+  EXPECT_NEAR(line.path().position(point, 1), -7.75, 256 * std::numeric_limits<double>::epsilon());
+  EXPECT_EQ(line->piece_of({2 * total, -total - 0.25}), static_cast<std::size_t>(line->piece_count() - 1));
 }
 
-TYPED_TEST(ArcLengthIn, APathThatStaysHasNoLengthAndOnePlace) {
-  using Real = TypeParam;
-  const std::vector<Real> keys{4, 4, 4};
+TEST(ArcLength, APathThatStaysHasNoLengthAndOnePlace) {
+  const std::vector<double> keys{4, 4, 4};
   for (const auto& count : {std::size_t{1}, std::size_t{3}}) {
-    const MeasuredPath<Real> path({.axis_count = 1, .keys = std::span(keys).first(count)});
+    const MeasuredPath path({.axis_count = 1, .keys = std::span(keys).first(count)});
     EXPECT_EQ(path->total(), 0);
     EXPECT_EQ(path->piece_count(), 0);
-    EXPECT_EQ(path->locate({0, 0}), (PathPoint<Real>{0, 0}));
+    EXPECT_EQ(path->locate({0, 0}), (PathPoint{0, 0}));
     EXPECT_EQ(path.distance({static_cast<std::int32_t>(count) - 1, 0}), 0);
   }
 }
 
 TEST(ArcLength, ASegmentThatStaysIsPassedInNoDistance) {
   const std::vector<double> keys{0, 10, 10, 30};
-  const MeasuredPath<double> path({.spline = Spline::linear, .axis_count = 1, .keys = keys});
+  const MeasuredPath path({.spline = Spline::linear, .axis_count = 1, .keys = keys});
   EXPECT_DOUBLE_EQ(path->total(), 30);
   EXPECT_EQ(path->segment_begin(1).high, path->segment_begin(2).high);
   EXPECT_DOUBLE_EQ(path.distance({1, 0.5}), 10);
@@ -212,8 +191,7 @@ TEST(ArcLength, ASegmentThatStaysIsPassedInNoDistance) {
 TEST(ArcLength, TheInverseComesBackToWhereItStarted) {
   for (const double delta : {1e-4, 1e-6, 1e-9}) {
     for (const Acceptance acceptance : {Acceptance::estimated, Acceptance::certified}) {
-      const MeasuredPath<double> path({.axis_count = 2, .keys = bent},
-                                      {.delta = delta, .acceptance = acceptance});
+      const MeasuredPath path({.axis_count = 2, .keys = bent}, {.delta = delta, .acceptance = acceptance});
       for (int i = 0; i <= 1000; ++i) {
         const double distance = path->total() * i / 1000;
         EXPECT_NEAR(path.distance(path.locate(distance)), distance, delta * path->total() / 4) << delta;
@@ -223,12 +201,12 @@ TEST(ArcLength, TheInverseComesBackToWhereItStarted) {
 }
 
 TEST(ArcLength, TheNumberOfBucketsChangesNoPoint) {
-  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
-  ArcLengthStorage<double, 3, 4000> storage;
-  ArcLengthMemory<double> memory = storage.memory();
+  const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  ArcLengthStorage<3, 4000> storage;
+  ArcLengthMemory memory = storage.memory();
   for (const std::size_t buckets : {1U, 2U, 7U, 4000U}) {
     memory.buckets = std::span(storage.buckets).first(buckets);
-    const auto arc_length = ArcLength<double>::make(path.path(), {}, memory);
+    const auto arc_length = ArcLength::make(path.path(), {}, memory);
     ASSERT_TRUE(arc_length);
     for (int i = 0; i <= 3000; ++i) {
       const double distance = path->total() * i / 3000;
@@ -239,21 +217,21 @@ TEST(ArcLength, TheNumberOfBucketsChangesNoPoint) {
 
 /// With a cusp, where the pieces take roots and crowd, and with both ends.
 TEST(ArcLength, ManyWaysAtOnceLeadToTheSameBitsAsEachByItself) {
-  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
   for (const double share : {-0.1, 0.0, 0.3, 0.999}) {
-    const TwoSum<double> begin{share * path->total(), 1e-17 * path->total()};
+    const TwoSum begin{share * path->total(), 1e-17 * path->total()};
     std::vector<double> ways(1500);
     for (std::size_t i = 0; i < ways.size(); ++i) {
       ways[i] = path->total() * (1.2 * static_cast<double>(i) / static_cast<double>(ways.size()));
     }
     for (const bool rise : {true, false}) {
       if (!rise) std::swap(ways[700], ways[703]);  // they need not
-      std::vector<PathPoint<double>> points(ways.size());
+      std::vector<PathPoint> points(ways.size());
       const bool in_order = path->locate(begin, ways, points);
       EXPECT_EQ(in_order, rise || points[700] == points[703]) << share;
       for (std::size_t i = 0; i < ways.size(); ++i) {
         EXPECT_EQ(points[i], path->locate(begin, ways[i])) << share << ", way " << i;
-        TwoSum<double> distance = begin;
+        TwoSum distance = begin;
         distance.add(ways[i]);
         EXPECT_NEAR(path.distance(points[i]), path.distance(path->locate(distance)), 1e-14 * path->total());
       }
@@ -264,9 +242,9 @@ TEST(ArcLength, ManyWaysAtOnceLeadToTheSameBitsAsEachByItself) {
 /// Ways a few roundings apart, of which some lead back by a rounding of t: alone in their four, as the first
 /// and the last of them, and behind them.
 TEST(ArcLength, PointsThatRoundingPutsOutOfOrderAreToldOf) {
-  const MeasuredPath<double> path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
+  const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
   std::vector<double> ways(7);
-  std::vector<PathPoint<double>> points(ways.size());
+  std::vector<PathPoint> points(ways.size());
   std::array<int, 7> falls{};  // how often the point at this place was before the one in front of it
   for (int i = 1; i < 20'000; ++i) {
     double way = 0.3 * path->total() * i / 20'000;
@@ -287,7 +265,7 @@ TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
   double error_before = std::numeric_limits<double>::infinity();
   std::int32_t pieces_before = 0;
   for (const double delta : {1e-2, 1e-4, 1e-6, 1e-9}) {
-    const MeasuredPath<double> path({.axis_count = 2, .keys = bent}, {.delta = delta});
+    const MeasuredPath path({.axis_count = 2, .keys = bent}, {.delta = delta});
     double error = 0;
     for (int i = 0; i <= 1000; ++i) {
       const double distance = path->total() * i / 1000;
@@ -302,8 +280,7 @@ TEST(ArcLength, ASmallerDeltaTakesMorePiecesAndLessError) {
 }
 
 /// The largest |q t'^2 - 1| that a thousand places of a piece show.
-double sampled_residual(const AnchoredInterval<double>& interval, const PieceBatch<double>& batch,
-                        std::size_t index) {
+double sampled_residual(const AnchoredInterval& interval, const PieceBatch<>& batch, std::size_t index) {
   const auto c = batch.coefficients(index);
   const double step = batch.row.step[index];
   double worst = 0;
@@ -326,21 +303,20 @@ double sampled_residual(const AnchoredInterval<double>& interval, const PieceBat
 TEST(ArcLength, TheCertificateBoundsTheErrorOfAPieceAndIsNotFarAboveIt) {
   // A bend, a cusp inside, tension 1 at both ends: plain pieces and square roots, forward and backward.
   const std::vector<double> line{0, 1};
-  const std::vector<KeyShape<double>> still(2, {.tension = 1, .continuity = 0, .bias = 0});
+  const std::vector<KeyShape> still(2, {.tension = 1, .continuity = 0, .bias = 0});
   const std::vector<double> parabola{-3, 9, -1, 1, 1, 1, 3, 9};
-  const PathSpec<double> bend{.spline = Spline::catmull_rom, .axis_count = 2, .keys = parabola};
-  const PathSpec<double> cusp{.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys};
-  const PathSpec<double> rest{.spline = Spline::tcb, .axis_count = 1, .keys = line, .shapes = still};
+  const PathSpec bend{.spline = Spline::catmull_rom, .axis_count = 2, .keys = parabola};
+  const PathSpec cusp{.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys};
+  const PathSpec rest{.spline = Spline::tcb, .axis_count = 1, .keys = line, .shapes = still};
   int checked = 0;
-  for (const PathSpec<double>& spec : {bend, cusp, rest}) {
-    const MeasuredPath<double> path(spec);
-    const SegmentSpeed<double> speed(path.path().segment(spec.keys.size() > 2 ? 1 : 0),
-                                     path.path().weights());
-    const AnchoredIntervals<double> split = split_where_slow(speed);
+  for (const PathSpec& spec : {bend, cusp, rest}) {
+    const MeasuredPath path(spec);
+    const SegmentSpeed speed(path.path().segment(spec.keys.size() > 2 ? 1 : 0), path.path().weights());
+    const AnchoredIntervals split = split_where_slow(speed);
     for (std::size_t i = 0; i < split.count; ++i) {
-      const AnchoredInterval<double>& interval = split.intervals[i];
-      const PieceFitter<double> fitter(interval);
-      PieceBatch<double> batch;
+      const AnchoredInterval& interval = split.intervals[i];
+      const PieceFitter fitter(interval);
+      PieceBatch<> batch;
       batch.near = fitter.at_anchor();
       for (std::size_t end = 0; end < lane_count; ++end) {
         batch.row.tau.set(end, interval.extent * static_cast<double>(end + 1) / 4);
@@ -363,10 +339,10 @@ TEST(ArcLength, ALineThatStartsFromRestWithNextToNoCurvatureIsMeasured) {
   // P' = b t + c t^2 with b = 0.0077 c: the first stretch has a derivative that is no number, the next ones
   // fit.
   const std::vector<double> line{0, 1, 5.977};
-  const std::vector<KeyShape<double>> shapes{{.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
+  const std::vector<KeyShape> shapes{{.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
   for (const double delta : {1e-4, 1e-6, 1e-9}) {
-    const MeasuredPath<double> path({.spline = Spline::tcb, .axis_count = 1, .keys = line, .shapes = shapes},
-                                    {.delta = delta});
+    const MeasuredPath path({.spline = Spline::tcb, .axis_count = 1, .keys = line, .shapes = shapes},
+                            {.delta = delta});
     EXPECT_NEAR(path->total(), 5.977, 1e-12);
     EXPECT_LT(path->piece_count(), 1000);
   }
@@ -375,11 +351,11 @@ TEST(ArcLength, ALineThatStartsFromRestWithNextToNoCurvatureIsMeasured) {
 // --- scale and offset
 
 TEST(ArcLength, NeitherScaleNorOffsetMatters) {
-  const MeasuredPath<double> plain({.axis_count = 2, .keys = bent});
+  const MeasuredPath plain({.axis_count = 2, .keys = bent});
   for (const double scale : {std::ldexp(1.0, 332), std::ldexp(1.0, -332)}) {  // about 1e+-100
     std::vector<double> keys = bent;
     for (double& coordinate : keys) coordinate *= scale;
-    const MeasuredPath<double> path({.axis_count = 2, .keys = keys});
+    const MeasuredPath path({.axis_count = 2, .keys = keys});
     EXPECT_EQ(path->total(), plain->total() * scale);
     EXPECT_EQ(path->piece_count(), plain->piece_count());
     for (int i = 0; i <= 100; ++i) {
@@ -389,38 +365,37 @@ TEST(ArcLength, NeitherScaleNorOffsetMatters) {
   }
   std::vector<double> keys = bent;
   for (double& coordinate : keys) coordinate += 1e12;
-  const MeasuredPath<double> far({.axis_count = 2, .keys = keys});
+  const MeasuredPath far({.axis_count = 2, .keys = keys});
   EXPECT_EQ(far->total(), plain->total());
 }
 
 // --- what is refused
 
-TYPED_TEST(ArcLengthIn, ADeltaThatFloatingPointCannotReachIsAnError) {
-  using Real = TypeParam;
-  const std::vector<Real> keys{0, 1, 3};
-  ArcLengthStorage<Real, 2, 4000> storage;
-  PathStorage<Real, 3, 1> path_storage;
-  const auto path = Path<Real>::make({.axis_count = 1, .keys = keys}, path_storage.memory());
-  const Real least = Precision<Real>::smallest_delta;
-  for (const Real delta : {Real(0), -least, std::nextafter(least, Real(0)), Real(0.1), Real(1),
-                           std::numeric_limits<Real>::quiet_NaN(), std::numeric_limits<Real>::infinity()}) {
-    const auto refused = ArcLength<Real>::make(*path, {.delta = delta}, storage.memory());
+TEST(ArcLength, ADeltaThatFloatingPointCannotReachIsAnError) {
+  const std::vector<double> keys{0, 1, 3};
+  ArcLengthStorage<2, 4000> storage;
+  PathStorage<3, 1> path_storage;
+  const auto path = Path::make({.axis_count = 1, .keys = keys}, path_storage.memory());
+  const double least = Precision::smallest_delta;
+  for (const double delta :
+       {0.0, -least, std::nextafter(least, 0.0), 0.1, 1.0, std::numeric_limits<double>::quiet_NaN(),
+        std::numeric_limits<double>::infinity()}) {
+    const auto refused = ArcLength::make(*path, {.delta = delta}, storage.memory());
     ASSERT_FALSE(refused) << delta;
     EXPECT_EQ(refused.error().code, ErrorCode::accuracy);
   }
-  for (const Real delta : {least, std::nextafter(Real(0.1), Real(0))}) {
-    EXPECT_TRUE(ArcLength<Real>::make(*path, {.delta = delta}, storage.memory())) << delta;
+  for (const double delta : {least, std::nextafter(0.1, 0.0)}) {
+    EXPECT_TRUE(ArcLength::make(*path, {.delta = delta}, storage.memory())) << delta;
   }
 }
 
 /// Memory whose parts can be given any size.
-template <Precise Real>
 struct LooseMemory {
-  std::vector<ArcPiece<Real>> pieces;
-  std::vector<Real> begins;
+  std::vector<ArcPiece> pieces;
+  std::vector<double> begins;
   std::vector<std::int32_t> buckets;
   std::vector<std::int32_t> first_pieces;
-  std::vector<TwoSum<Real>> segment_begins;
+  std::vector<TwoSum> segment_begins;
 
   LooseMemory(std::size_t segments, std::size_t piece_capacity)
       : pieces(piece_capacity),
@@ -428,10 +403,10 @@ struct LooseMemory {
         buckets(piece_capacity),
         first_pieces(segments + 1),
         segment_begins(segments + 1) {}
-  ArcLengthMemory<Real> memory() { return {pieces, begins, buckets, first_pieces, segment_begins}; }
+  ArcLengthMemory memory() { return {pieces, begins, buckets, first_pieces, segment_begins}; }
 };
 
-std::int64_t capacity_needed(const Result<ArcLength<double>>& refused) {
+std::int64_t capacity_needed(const Result<ArcLength>& refused) {
   EXPECT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::capacity);
   return refused.error().needed;
@@ -440,37 +415,37 @@ std::int64_t capacity_needed(const Result<ArcLength<double>>& refused) {
 TEST(ArcLength, StatesThePiecesNeededWhichJustSuffice) {
   for (const Spline spline : {Spline::smooth, Spline::catmull_rom}) {
     const std::vector<double>& keys = spline == Spline::smooth ? bent : cusp_keys;
-    const MeasuredPath<double> path({.spline = spline, .axis_count = 2, .keys = keys});
+    const MeasuredPath path({.spline = spline, .axis_count = 2, .keys = keys});
     const auto segments = static_cast<std::size_t>(path.path().segment_count());
     for (const std::size_t capacity : {1U, 2U, 20U}) {
-      LooseMemory<double> small(segments, capacity);
-      const auto needed = capacity_needed(ArcLength<double>::make(path.path(), {}, small.memory()));
+      LooseMemory small(segments, capacity);
+      const auto needed = capacity_needed(ArcLength::make(path.path(), {}, small.memory()));
       ASSERT_EQ(needed, path->piece_count());
-      LooseMemory<double> enough(segments, static_cast<std::size_t>(needed));
-      EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
-      LooseMemory<double> one_less(segments, static_cast<std::size_t>(needed) - 1);
-      EXPECT_FALSE(ArcLength<double>::make(path.path(), {}, one_less.memory()));
+      LooseMemory enough(segments, static_cast<std::size_t>(needed));
+      EXPECT_TRUE(ArcLength::make(path.path(), {}, enough.memory()));
+      LooseMemory one_less(segments, static_cast<std::size_t>(needed) - 1);
+      EXPECT_FALSE(ArcLength::make(path.path(), {}, one_less.memory()));
     }
   }
 }
 
 TEST(ArcLength, StatesTheSegmentsNeededWhichJustSuffice) {
-  const MeasuredPath<double> path({.axis_count = 2, .keys = bent});
-  LooseMemory<double> small(3, 400);
-  const auto needed = capacity_needed(ArcLength<double>::make(path.path(), {}, small.memory()));
+  const MeasuredPath path({.axis_count = 2, .keys = bent});
+  LooseMemory small(3, 400);
+  const auto needed = capacity_needed(ArcLength::make(path.path(), {}, small.memory()));
   ASSERT_EQ(needed, 5);
-  LooseMemory<double> enough(static_cast<std::size_t>(needed), 400);
-  EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
+  LooseMemory enough(static_cast<std::size_t>(needed), 400);
+  EXPECT_TRUE(ArcLength::make(path.path(), {}, enough.memory()));
 }
 
 TEST(ArcLength, EvenAPathThatStaysNeedsABucket) {
   const std::vector<double> keys{4, 4};
-  const MeasuredPath<double> path({.axis_count = 1, .keys = keys});
-  LooseMemory<double> none(1, 0);
-  const auto needed = capacity_needed(ArcLength<double>::make(path.path(), {}, none.memory()));
+  const MeasuredPath path({.axis_count = 1, .keys = keys});
+  LooseMemory none(1, 0);
+  const auto needed = capacity_needed(ArcLength::make(path.path(), {}, none.memory()));
   ASSERT_EQ(needed, 1);
-  LooseMemory<double> enough(1, static_cast<std::size_t>(needed));
-  EXPECT_TRUE(ArcLength<double>::make(path.path(), {}, enough.memory()));
+  LooseMemory enough(1, static_cast<std::size_t>(needed));
+  EXPECT_TRUE(ArcLength::make(path.path(), {}, enough.memory()));
 }
 
 }  // namespace arc_length_test

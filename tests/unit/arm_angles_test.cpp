@@ -16,14 +16,13 @@ namespace arm_angles_test {
 constexpr double pi = std::numbers::pi;
 
 /// Against the C library.
-template <class Real>
-double worst_angle(Real reach) {
+double worst_angle(double reach) {
   std::mt19937_64 random(3);
-  std::uniform_real_distribution<Real> place(-reach, reach);
+  std::uniform_real_distribution<double> place(-reach, reach);
   double worst = 0;
   for (int i = 0; i < 100'000; ++i) {
-    const Real x = place(random);
-    const Real y = i % 3 == 0 ? place(random) * Real(1e-6) : place(random);
+    const double x = place(random);
+    const double y = i % 3 == 0 ? place(random) * 1e-6 : place(random);
     worst = std::max(worst, std::fabs(static_cast<double>(angle_of(x, y)) -
                                       std::atan2(static_cast<double>(y), static_cast<double>(x))));
   }
@@ -32,7 +31,6 @@ double worst_angle(Real reach) {
 
 TEST(AngleOf, IsWithinTwoUnitsInTheLastPlaceOfPi) {
   for (const double reach : {1e-200, 1.0, 1e200}) EXPECT_LE(worst_angle(reach), 2 * 4.5e-16);
-  for (const float reach : {1e-20F, 1.0F, 1e20F}) EXPECT_LE(worst_angle(reach), 2 * 2.4e-7);
 }
 
 TEST(AngleOf, HasTheQuartersExactly) {
@@ -49,7 +47,7 @@ struct Place {
 };
 
 /// By the C library's sine and cosine.
-Place hand_of(const TwoJointArm<double>& arm, const ArmAngles<double>& angles) {
+Place hand_of(const TwoJointArm& arm, const ArmAngles& angles) {
   const double both = angles.shoulder + angles.elbow;
   return {arm.upper * std::cos(angles.shoulder) + arm.forearm * std::cos(both),
           arm.upper * std::sin(angles.shoulder) + arm.forearm * std::sin(both)};
@@ -60,7 +58,7 @@ TEST(ArmAngles, BothElbowsPutTheHandOnItsPlace) {
   std::uniform_real_distribution<double> any(0, 1);
   double worst = 0;
   for (int i = 0; i < 20'000; ++i) {
-    const TwoJointArm<double> arm{0.1 + 2 * any(random), 0.1 + 2 * any(random)};
+    const TwoJointArm arm{0.1 + 2 * any(random), 0.1 + 2 * any(random)};
     const double nearest = std::fabs(arm.upper - arm.forearm);
     const double distance = nearest + (arm.upper + arm.forearm - nearest) * any(random);
     const double direction = 2 * pi * any(random);
@@ -79,7 +77,7 @@ TEST(ArmAngles, BothElbowsPutTheHandOnItsPlace) {
 }
 
 TEST(ArmAngles, UpIsLeftWhereTheHandIsAtTheRight) {
-  const TwoJointArm<double> arm{1, 1};
+  const TwoJointArm arm{1, 1};
   const auto up = arm_angles(arm, 1.0, 0.0, ElbowSide::left);
   EXPECT_NEAR(up->shoulder, pi / 3, 1e-15);
   EXPECT_NEAR(up->elbow, -2 * pi / 3, 1e-15);
@@ -87,7 +85,7 @@ TEST(ArmAngles, UpIsLeftWhereTheHandIsAtTheRight) {
 
 /// A stretched arm has lost half its digits where the cosine rule is used.
 TEST(ArmAngles, NearTheEdgeTheElbowKeepsItsDigits) {
-  const TwoJointArm<double> arm{1, 1};
+  const TwoJointArm arm{1, 1};
   for (const double short_of : {1e-6, 1e-9, 1e-12}) {
     const auto angles = arm_angles(arm, 2 - short_of, 0.0, ElbowSide::right);
     const double left = 2 - (2 - short_of);  // what the subtraction has left of it
@@ -98,7 +96,7 @@ TEST(ArmAngles, NearTheEdgeTheElbowKeepsItsDigits) {
 }
 
 TEST(ArmAngles, BeyondTheReachIsRefusedAndMeasured) {
-  const TwoJointArm<double> arm{0.3, 0.25};
+  const TwoJointArm arm{0.3, 0.25};
   EXPECT_NEAR(beyond_reach(arm, 0.551), 0.001, 1e-15);
   EXPECT_NEAR(beyond_reach(arm, 0.049), -0.001, 1e-15);
   EXPECT_EQ(beyond_reach(arm, 0.3), 0);
@@ -113,7 +111,7 @@ TEST(ArmAngles, AHeadLooksAtThePoint) {
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> any(-3, 3);
   for (int i = 0; i < 10'000; ++i) {
-    const Vector3<double> point{any(random), any(random), any(random)};
+    const Vector3 point{any(random), any(random), any(random)};
     const auto head = aim_at(point);
     ASSERT_TRUE(head);
     const double length = std::sqrt(dot(point, point));
@@ -121,8 +119,8 @@ TEST(ArmAngles, AHeadLooksAtThePoint) {
     EXPECT_NEAR(length * std::cos(head->tilt) * std::sin(head->pan), point.y, 1e-14);
     EXPECT_NEAR(length * std::sin(head->tilt), point.z, 1e-14);
   }
-  EXPECT_EQ(aim_at(Vector3<double>{0, 0, 2}).error().code, ErrorCode::singular);
-  EXPECT_EQ(aim_at(Vector3<double>{0, std::numeric_limits<double>::infinity(), 2}).error().code,
+  EXPECT_EQ(aim_at(Vector3{0, 0, 2}).error().code, ErrorCode::singular);
+  EXPECT_EQ(aim_at(Vector3{0, std::numeric_limits<double>::infinity(), 2}).error().code,
             ErrorCode::not_finite);
 }
 

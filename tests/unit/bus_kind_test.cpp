@@ -64,7 +64,7 @@ TYPED_TEST(EveryProtocol, AnAxisOutsideItsLimitsStandsStillWhenItIsSwitchedOnAnd
     BusAxis<TypeParam> axis(DriveInRig<TypeParam>::text(), "reference = \"drive\"", stands);
     ASSERT_TRUE(axis.switch_on()) << this->words(axis);
     const double from = axis.state.actual;
-    axis.ticks(250, Setpoint<double>{.position = from});
+    axis.ticks(250, Setpoint{.position = from});
     EXPECT_NEAR(axis.truly(), stands, 0.001) << "it is held where it stands";
     EXPECT_FALSE(axis.drive->has_been_moved());
     // Inwards at 4 degrees a second.
@@ -73,8 +73,8 @@ TYPED_TEST(EveryProtocol, AnAxisOutsideItsLimitsStandsStillWhenItIsSwitchedOnAnd
     for (int tick = 0; tick < 500 && axis.worst == DriveCondition::fine; ++tick) {
       const double speed = std::min(tick * 0.05, 4.0);
       axis.from += direction * speed * 0.004;
-      axis.tick(Setpoint<double>{.position = from + axis.from - BusAxis<TypeParam>::stands_at,
-                                 .velocity = direction * speed});
+      axis.tick(Setpoint{.position = from + axis.from - BusAxis<TypeParam>::stands_at,
+                         .velocity = direction * speed});
       EXPECT_GE(direction * (axis.truly() - before), -0.001);
       before = axis.truly();
     }
@@ -201,7 +201,7 @@ TYPED_TEST(EveryProtocol, ASetpointThatJumpsIsNotSent) {
   BusAxis<TypeParam> axis;
   this->begin(axis);
   axis.drive->take_record();
-  Setpoint<double> far = axis.swing(0.504);
+  Setpoint far = axis.swing(0.504);
   far.position += 5;
   axis.ticks(3, far);
   EXPECT_TRUE(axis.host().findings().has(DriveFinding::setpoint_jump));
@@ -213,7 +213,7 @@ TYPED_TEST(EveryProtocol, ASetpointThatJumpsIsNotSent) {
 TYPED_TEST(EveryProtocol, AFirstSetpointThatIsNotWhereTheAxisIsIsNotSent) {
   BusAxis<TypeParam> axis;
   ASSERT_TRUE(axis.switch_on());
-  axis.ticks(20, Setpoint<double>{.position = axis.state.actual + 0.1});
+  axis.ticks(20, Setpoint{.position = axis.state.actual + 0.1});
   EXPECT_TRUE(axis.host().findings().has(DriveFinding::moved_while_enabling));
   EXPECT_NEAR(axis.truly(), 20, 0.001);
 }
@@ -330,7 +330,7 @@ TYPED_TEST(EveryProtocol, AnAxisThatIsToldWhereItStandsGoesOnFromThere) {
   axis.from = axis.state.actual;
   for (int tick = 0; tick <= 250; ++tick) axis.tick(axis.swing(tick * 0.004));
   EXPECT_EQ(axis.worst, DriveCondition::fine);
-  axis.ticks(50, Setpoint<double>{.position = axis.swing(1).position});
+  axis.ticks(50, Setpoint{.position = axis.swing(1).position});
   EXPECT_NEAR(axis.state.actual, 13, 0.05);
   EXPECT_NEAR(axis.truly(), 30, 0.05);
 }

@@ -53,10 +53,10 @@ std::vector<std::string> record_of_a_run() {
   std::array<can::PortDrive, 1> known{};
   std::array<can::Frame, can::frames_per_read(1)> frames{};
   const std::array lanes{can::Cia402Lane<SimulatedLink>{&bus, &link, targets, known, frames}};
-  std::array axes{can::Cia402Axis<double>{0, 0, 1000}};
-  auto port = *can::Cia402Port<double, SimulatedLink>::make(lanes, axes);
-  std::array<DriveState<double>, 1> states{};
-  std::array<Setpoint<double>, 1> setpoints{};
+  std::array axes{can::Cia402Axis{0, 0, 1000}};
+  auto port = *can::Cia402Port<SimulatedLink>::make(lanes, axes);
+  std::array<DriveState, 1> states{};
+  std::array<Setpoint, 1> setpoints{};
   std::int64_t now_ns = 60'000'000;
   link.receive({}, now_ns);  // it has power for a while
   port.enable();

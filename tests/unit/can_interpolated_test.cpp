@@ -113,7 +113,7 @@ std::optional<DriveFinding> found_with_bit_13() {
     own = frame;
     return {.copies = 0};
   });
-  const Setpoint<double> held{.position = axis.stands_at};
+  const Setpoint held{.position = axis.stands_at};
   for (int i = 0; i < 50; ++i) {
     if (own) {
       Frame changed = *own;

@@ -35,7 +35,7 @@ TEST(CanLoop, PlaysAMoveAndTheDrivesOwnRecordIsThePlan) {
     const auto& applied = crane.drives[d].applied();
     ASSERT_GT(applied.size(), before + static_cast<std::size_t>(last) + 2);
     for (std::int64_t tick = 1; tick <= last; ++tick) {
-      crane.plan.motion().positions(frame_time_of_tick<double>(tick, {24, 1}, 250), expected);
+      crane.plan.motion().positions(frame_time_of_tick(tick, {24, 1}, 250), expected);
       // A target acts one tick after it was given, and the bus is heard in the tick after.
       const std::int32_t target = applied[before + static_cast<std::size_t>(tick) + 1].target;
       ASSERT_NEAR(target, expected[d] * counts_per_unit, 0.5001) << "axis " << d << ", tick " << tick;

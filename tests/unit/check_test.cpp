@@ -68,7 +68,7 @@ TEST(Check, AGentleMoveFitsAndItsPeaksAreThoseOfItsMotion) {
   EXPECT_THAT(report.steps, IsEmpty());
   EXPECT_EQ(report.speed_error, 1e-6);
   const CheckedAxis& x = report.axes[0];
-  std::vector<AxisMotion<double>> motion(2);
+  std::vector<AxisMotion> motion(2);
   double fastest = 0;
   for (std::int32_t i = 0; i <= 192 * 64; ++i) {
     plan.tracks()[0].track().motion({i / 64, (i % 64) / 64.0}, motion);
@@ -86,7 +86,7 @@ TEST(Check, ASpikeBetweenTwoKeysAMillimetreApartIsFoundThatASampleAFrameMisses) 
   const std::string spike =
       "keys = [ { at = [10, 0] }, { at = [80, 60] }, { at = [81, 60] }, { at = [151, 0] } ]\n";
   const Plan plan = plan_of(move_of(spike + gently, 67), rig_with("", 1500));
-  std::vector<AxisMotion<double>> motion(2);
+  std::vector<AxisMotion> motion(2);
   double sampled = 0;  // 24 times a second, on every frame
   for (std::int32_t frame = 0; frame <= 67; ++frame) {
     plan.tracks()[0].track().motion({frame, 0}, motion);
@@ -281,8 +281,8 @@ TEST(Check, ALineThatTurnsBackBetweenKeysIsAStepWithoutAKey) {
   const Plan plan = plan_of(move_of(back + gently, 2000));
   const CheckReport report = check(plan);
   ASSERT_THAT(report.steps, SizeIs(2));
-  std::vector<AxisMotion<double>> before(2);
-  std::vector<AxisMotion<double>> after(2);
+  std::vector<AxisMotion> before(2);
+  std::vector<AxisMotion> after(2);
   for (const CheckedStep& step : report.steps) {
     EXPECT_EQ(step.key, std::nullopt);
     const auto frame = static_cast<std::int32_t>(step.frame);
@@ -315,7 +315,7 @@ TEST(Check, AMoveThatGoesOutHoldsAndComesBackTheSameWayFits) {
   EXPECT_TRUE(report.stops.has_value());
   const CheckedPeak& hardest = report.axes[0].acceleration;
   EXPECT_NEAR(hardest.value, 112.0, 0.6);
-  std::vector<AxisMotion<double>> there(3);
+  std::vector<AxisMotion> there(3);
   const auto frame = static_cast<std::int32_t>(hardest.frame);
   plan.tracks()[0].track().motion({frame, hardest.frame - frame}, there);
   EXPECT_NEAR(std::fabs(there[0].acceleration), hardest.value, 0.01 * hardest.value);
@@ -357,8 +357,8 @@ MoveStep step_at(const BoundedMove& bounded, const oracle::Step& expected) {
 
 /// Product and oracle agree on what steps, where and by how much.
 void expect_steps_of_oracle(const RandomMove& move) {
-  const TrackInput<double> input(move);
-  const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+  const TrackInput input(move);
+  const SolvedTrack solved(input.spec, Solver::closed_form);
   const oracle::IdealMotion ideal(move.keys, oracle::Profile(move.speed), move.frames, 24);
   const BoundedMove bounded = bounds_of_track(solved.track());
   for (const oracle::Step& expected : ideal.extremes(16).steps) {
@@ -398,8 +398,8 @@ TEST(MotionSteps, WhereThePathStandsStillAtAKeyTheDirectionIsItsLimit) {
   move.keys.tension_continuity_bias = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
   move.speed = {3, 5, 10, 1, 4};
   move.frames = 77;
-  const TrackInput<double> input(move);
-  const SolvedTrack<double> solved(input.spec, Solver::closed_form);
+  const TrackInput input(move);
+  const SolvedTrack solved(input.spec, Solver::closed_form);
   const oracle::IdealMotion ideal(move.keys, oracle::Profile(move.speed), move.frames, 24);
   const BoundedMove bounded = bounds_of_track(solved.track());
   for (const oracle::Step& expected : ideal.extremes(16).steps) {

@@ -16,9 +16,9 @@ const std::vector<double> drawn = {3, 0, 7, -2, 5, 11};
 
 TEST(ControlCurve, IsTheCurveOfTheSpeedProfile) {
   const std::vector<double> values = {3, 0, 7, 2, 5, 11};
-  std::vector<SpeedSpan<double>> spans(5);
-  std::vector<TwoSum<double>> integrals(6);
-  const auto profile = SpeedProfile<double>::make(values, {spans, integrals});
+  std::vector<SpeedSpan> spans(5);
+  std::vector<TwoSum> integrals(6);
+  const auto profile = SpeedProfile::make(values, {spans, integrals});
   const ControlCurve curve(values);
   for (const double a : {0.0, 0.3, 1.0, 2.7, 4.5, 5.0}) {
     const CurveValues at = curve.at(place_at(a, 5));
@@ -54,8 +54,8 @@ TEST(ControlCurve, PeriodicItIsWhatTheSpeedProfileIsAllRound) {
   constexpr CurveEnds ends = CurveEnds::periodic;
   const std::vector<double> loop = {3, 8, 0, 11, 6, 3};
   const std::size_t f = loop.size() - 1;
-  SpeedProfileStorage<double, 6> storage;
-  const auto profile = SpeedProfile<double>::make(loop, storage.memory(), ends);
+  SpeedProfileStorage<6> storage;
+  const auto profile = SpeedProfile::make(loop, storage.memory(), ends);
   ASSERT_TRUE(profile.has_value());
   const ControlCurve curve(loop, ends);
   const ControlCurve fine(refined(loop, ends), ends);
@@ -71,7 +71,7 @@ TEST(ControlCurve, PeriodicItIsWhatTheSpeedProfileIsAllRound) {
 TEST(ControlCurve, FindsThePlaceOfAnArea) {
   const ControlCurve curve(std::vector<double>{0, 0, 4, 9, 0, 0, 0, 5, 5});
   for (const double a : {0.2, 1.0, 2.6, 7.9}) {
-    const CurvePlace<double> place = curve.place_of_area(curve.at(place_at(a, 8)).area);
+    const CurvePlace place = curve.place_of_area(curve.at(place_at(a, 8)).area);
     EXPECT_NEAR(place.span + place.t, a, 1e-7) << a;
   }
   EXPECT_EQ(curve.place_of_area(-1).span, 0);

@@ -30,7 +30,7 @@ using Counts = std::array<std::int32_t, axes>;
 class EveryTimingInCounts : public testing::TestWithParam<TimingKind> {
  protected:
   EveryTimingInCounts() : plan_(move_of(GetParam()), std::nullopt, {}), fitted_(plan_.tracks()[0].track()) {
-    std::array<AxisMotion<double>, axes> samples;
+    std::array<AxisMotion, axes> samples;
     std::array<double, axes> travel;
     measure_travel(fitted_.sampler(), samples, travel);
     for (std::size_t d = 0; d < axes; ++d)
@@ -38,7 +38,7 @@ class EveryTimingInCounts : public testing::TestWithParam<TimingKind> {
   }
   /// How far a position is from that of a trajectory, in counts.
   [[nodiscard]] double miss(CountTrajectory& counts, const Trajectory& trajectory,
-                            const FrameTime<float>& time) const {
+                            const FloatFrameTime& time) const {
     std::array<double, axes> positions;
     trajectory.positions({time.frame, time.fraction}, positions);
     double most = 0;
@@ -49,7 +49,7 @@ class EveryTimingInCounts : public testing::TestWithParam<TimingKind> {
     }
     return most;
   }
-  [[nodiscard]] static FrameTime<float> time_at(double frame) {
+  [[nodiscard]] static FloatFrameTime time_at(double frame) {
     const double whole = std::floor(frame);
     return {static_cast<std::int32_t>(whole), static_cast<float>(frame - whole)};
   }
@@ -63,7 +63,7 @@ TEST_P(EveryTimingInCounts, IsWithinATwentiethOfACountOfTwentyBits) {
   CountsOfTrajectory counts(*fitted_, scale_);
   Counts whole;
   for (int k = 0; k < 48 * 64; ++k) {
-    const FrameTime<float> time = time_at(k * 0.6180339887 * 7 - 48 * std::floor(k * 0.6180339887 * 7 / 48));
+    const FloatFrameTime time = time_at(k * 0.6180339887 * 7 - 48 * std::floor(k * 0.6180339887 * 7 / 48));
     ASSERT_LE(miss(*counts, *fitted_, time), 0.05) << time.frame << " " << time.fraction;
     counts->counts(time, whole);
     for (std::size_t d = 0; d < axes; ++d) {
@@ -93,10 +93,9 @@ TEST_P(EveryTimingInCounts, IsTheSameWhicheverPieceWasAskedForBefore) {
 
 TEST_P(EveryTimingInCounts, StandsAtBothEndsOutsideThem) {
   const Trajectory part = fitted_->part({7, 0.25}, {31, 0.5});
-  const FrameTime<double> end = fitted_->end();
+  const FrameTime end = fitted_->end();
   for (const auto& [trajectory, first, last] :
-       {std::tuple{*fitted_, FrameTime<double>{}, end},
-        std::tuple{part, FrameTime<double>{7, 0.25}, FrameTime<double>{31, 0.5}}}) {
+       {std::tuple{*fitted_, FrameTime{}, end}, std::tuple{part, FrameTime{7, 0.25}, FrameTime{31, 0.5}}}) {
     CountsOfTrajectory counts(trajectory, scale_);
     for (const auto& [outside, place] : {std::pair{-3.0, first}, {1000.0, last}, {48.5, last}}) {
       Counts found;
@@ -164,7 +163,7 @@ TEST(CountTrajectory, ASepticFromRestToRestIsFollowedByQuintics) {
   CountsOfTrajectory counts(trajectory, {1.0});
   std::array<double, 1> position;
   for (int k = 0; k < 24 * 16; ++k) {
-    const FrameTime<float> time{k / 16, static_cast<float>(k % 16) / 16};
+    const FloatFrameTime time{k / 16, static_cast<float>(k % 16) / 16};
     trajectory.positions({time.frame, time.fraction}, position);
     const CountTrajectory::Position found = counts->position(time, 0);
     EXPECT_NEAR(found.base + static_cast<double>(found.offset), position[0], 0.02) << k;

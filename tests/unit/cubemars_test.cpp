@@ -170,7 +170,7 @@ TEST(CubemarsOnABus, AMotorWithAnotherScaleIsFoundBeforeItHasGoneFar) {
   std::vector<BusAxis<CubemarsKind>::Port::Lane> lanes{{&bus, &axis.link, targets, known, frames}};
   auto port = *BusAxis<CubemarsKind>::Port::make(lanes, axis.axes);
   port.enable();
-  DriveState<double> state{};
+  DriveState state{};
   for (int i = 0; i < 1000; ++i) {
     axis.now_ns += axis.tick_ns;
     port.read({&state, 1}, axis.now_ns);

@@ -141,7 +141,7 @@ class Ticked : public testing::Test {
   Ticked() : plan_(plan_of(slide_and_pan, slider_rig)) {
     cues_ = CueOutputs::open(plan_.move(), *plan_.rig(), {0, 288}, {0, 288}, hardware_);
   }
-  static PlayheadPlace<double> at(double frame, double rate) {
+  static PlayheadPlace at(double frame, double rate) {
     return {.time = moved_by({0, 0.0}, frame), .rate = rate, .rate_change = 0};
   }
   /// At the drawn speed a tick of the rig, 4 ms, is 0.096 frames.

@@ -18,8 +18,8 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr FrameRate fps{25, 1};
 constexpr std::int32_t last_frame = 100;
 
-using Pulse = TimedPulse<double>;
-using Place = PlayheadPlace<double>;
+using Pulse = TimedPulse;
+using Place = PlayheadPlace;
 
 struct Change {
   std::int64_t at_ns;
@@ -45,11 +45,11 @@ class Timed {
       : pulses_(std::move(pulses)),
         begun_(room),
         instants_(instants_for(room)),
-        timer_(CueTimer<double>::make(pulses_, 0, last_frame, fps).value()) {}
+        timer_(CueTimer::make(pulses_, 0, last_frame, fps).value()) {}
 
   void go(const Place& from, const Place& to, Repeat repeated = Repeat::none,
           std::int64_t length_ns = tick_ns) {
-    const CueTick<double> tick{from, to, repeated, now_ns_, now_ns_ + length_ns};
+    const CueTick tick{from, to, repeated, now_ns_, now_ns_ + length_ns};
     const Result<CueCount> count = timer_.advance(tick, {begun_, instants_});
     ASSERT_TRUE(count) << count.error().what;
     keep(*count);
@@ -78,7 +78,7 @@ class Timed {
   [[nodiscard]] const Changes& changes() const { return changes_; }
   [[nodiscard]] const std::vector<BegunPulse>& begun() const { return all_begun_; }
   [[nodiscard]] const CueCounters& counters() const { return timer_.counters(); }
-  CueTimer<double>& timer() { return timer_; }
+  CueTimer& timer() { return timer_; }
 
  private:
   void keep(const CueCount& count) {
@@ -91,7 +91,7 @@ class Timed {
   std::vector<Pulse> pulses_;
   std::vector<BegunPulse> begun_;
   std::vector<EdgeInstant> instants_;
-  CueTimer<double> timer_;
+  CueTimer timer_;
   std::int64_t now_ns_ = 0;
   Changes changes_;
   std::vector<BegunPulse> all_begun_;
@@ -303,7 +303,7 @@ TEST(CueTimer, FromRestThePlaceIsReachedAsTheRateRises) {
 
 TEST(CueTimer, WhatIsNoPulseIsRefused) {
   const auto refused = [](std::vector<Pulse> pulses) {
-    const auto timer = CueTimer<double>::make(pulses, 0, last_frame, fps);
+    const auto timer = CueTimer::make(pulses, 0, last_frame, fps);
     return !timer && timer.error().code == ErrorCode::out_of_range;
   };
   EXPECT_TRUE(refused({{{0, 1.0}, ms, 0}}));
@@ -312,7 +312,7 @@ TEST(CueTimer, WhatIsNoPulseIsRefused) {
   EXPECT_TRUE(refused({{{0, 0}, ms, 64}}));
   EXPECT_TRUE(refused({{{0, 0}, ms, -1}}));
   EXPECT_TRUE(refused({{{1, 0}, ms, 0}, {{0, 0.5}, ms, 0}}));
-  EXPECT_FALSE(CueTimer<double>::make({}, 1, 0, fps));
+  EXPECT_FALSE(CueTimer::make({}, 1, 0, fps));
 }
 
 TEST(CueTimer, TicksOutOfOrderAndTooLittleRoomAreRefused) {
@@ -320,9 +320,9 @@ TEST(CueTimer, TicksOutOfOrderAndTooLittleRoomAreRefused) {
   timed.pass(0, 0.25);
   std::vector<BegunPulse> begun(4);
   std::vector<EdgeInstant> instants(instants_for(4));
-  const CueTick<double> early{Timed::at(0.25), Timed::at(0.5), Repeat::none, 9 * ms, 19 * ms};
-  const CueTick<double> no_time{Timed::at(0.25), Timed::at(0.5), Repeat::none, 10 * ms, 10 * ms};
-  const CueTick<double> good{Timed::at(0.25), Timed::at(0.5), Repeat::none, 10 * ms, 20 * ms};
+  const CueTick early{Timed::at(0.25), Timed::at(0.5), Repeat::none, 9 * ms, 19 * ms};
+  const CueTick no_time{Timed::at(0.25), Timed::at(0.5), Repeat::none, 10 * ms, 10 * ms};
+  const CueTick good{Timed::at(0.25), Timed::at(0.5), Repeat::none, 10 * ms, 20 * ms};
   EXPECT_EQ(timed.timer().advance(early, {begun, instants}).error().code, ErrorCode::out_of_range);
   EXPECT_EQ(timed.timer().advance(no_time, {begun, instants}).error().code, ErrorCode::out_of_range);
   const auto small = std::span(instants).first(instants_for(4) - 1);

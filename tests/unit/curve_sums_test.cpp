@@ -37,7 +37,7 @@ TEST(CurveSums, TellHowTheCurveAndItsAreaFollowFromNeighbours) {
     const ControlCurve same(curve.values, curve.ends);
     const std::size_t f = curve.values.size() - 1;
     for (int i = 0; i <= 100; ++i) {
-      const CurvePlace<double> place = place_at(static_cast<double>(f) * i / 100, f);
+      const CurvePlace place = place_at(static_cast<double>(f) * i / 100, f);
       const CurveValues at = same.at(place);
       const CurveSums::Terms terms = sums.at(place, weights);
       EXPECT_LE(terms.size(), 5U);

@@ -413,7 +413,7 @@ TEST(EdsDrive, ADriveOfAnotherMakeThanItsSheetIsRefused) {
   SimulatedHardware hardware(without, {0});  // of vendor 5101h
   RigDrives drives(rig, hardware);
   drives.enable();
-  std::vector<DriveState<double>> states(1);
+  std::vector<DriveState> states(1);
   for (std::int64_t now_ns = 4'000'000; now_ns < 10'000'000'000 && drives.trouble().empty();
        now_ns += 4'000'000) {
     drives.read(states, now_ns);

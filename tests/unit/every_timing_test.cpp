@@ -70,7 +70,7 @@ class EveryTiming : public testing::TestWithParam<TimingKind> {
 void expect_certified(const Plan& plan) {
   const CheckReport report = check(plan);
   ASSERT_TRUE(report.fits()) << report.refusals.front().message();
-  const Move<double>& move = plan.played();
+  const Move& move = plan.played();
   for (const std::size_t d : {0U, 1U}) {
     const Sampled found = sampled(plan, d, move.first_frame(), move.last_frame());
     const CheckedAxis& axis = report.axes[d];
@@ -118,7 +118,7 @@ void expect_foretold_stops(const Plan& plan) {
   ASSERT_TRUE(stops.bounds().has_value());
   const std::int32_t rate_hz = plan.rig()->rate_hz;
   const double tick_s = 1.0 / rate_hz;
-  Playhead<double> playhead(plan.played(), *stops.bounds(), rate_hz);
+  Playhead playhead(plan.played(), *stops.bounds(), rate_hz);
   RecordedPlay record(plan, *stops.bounds(), tick_s);
   const auto take = [&] {
     static_cast<void>(playhead.tick());
@@ -128,8 +128,7 @@ void expect_foretold_stops(const Plan& plan) {
     int tries = 0;
     while (playhead.play(direction) && tries++ < 20) {
       for (int tick = 0; tick < 61; ++tick) take();
-      const StopLength<double> foretold =
-          stops.bounds()->stop_from(playhead.time(), direction == Direction::forward);
+      const StopLength foretold = stops.bounds()->stop_from(playhead.time(), direction == Direction::forward);
       playhead.stop();
       int needed = 0;
       for (; !playhead.is_resting() && needed < 100'000; ++needed) take();

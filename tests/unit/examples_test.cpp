@@ -73,7 +73,7 @@ TEST(Examples, EveryMoveIsSolvedByBothSolversAndKeepsTheInvariants) {
       // The paper's solver integrates a drawn speed, one K for the whole move.
       if (solver == Solver::runge_kutta && !has_drawn_speed(name)) continue;
       const Plan plan(read_move_file(file(name)), std::nullopt, {.solver = solver});
-      for (const SolvedTrack<double>& solved : plan.tracks()) {
+      for (const SolvedTrack& solved : plan.tracks()) {
         EXPECT_TRUE(check_invariants(solved.track(), solved.table())) << name;
       }
     }
@@ -130,12 +130,12 @@ TEST(Examples, MovesForRigsStartAndEndAtRestUnlessTheyGoRound) {
   for (const ForARig& example : for_rigs) {
     const Plan plan = plan_for_rig(example);
     if (plan.move().tracks.front().periodic) continue;
-    for (const SolvedTrack<double>& solved : plan.tracks()) {
+    for (const SolvedTrack& solved : plan.tracks()) {
       const auto axes = static_cast<std::size_t>(solved.track().path().axis_count());
-      std::vector<AxisMotion<double>> motion(axes);
+      std::vector<AxisMotion> motion(axes);
       for (const std::int32_t frame : {0, plan.move().frames}) {
         solved.track().motion({frame, 0}, motion);
-        for (const AxisMotion<double>& axis : motion) {
+        for (const AxisMotion& axis : motion) {
           EXPECT_EQ(axis.velocity, 0) << example.move << ", frame " << frame;
           EXPECT_EQ(axis.acceleration, 0) << example.move << ", frame " << frame;
         }
@@ -157,8 +157,8 @@ TEST(Examples, MovesForRigsStayInsideTheLimitsOfEveryAxis) {
     EXPECT_EQ(report.ending, Ending::finished) << example.move;
     for (const PlanAxis& axis : plan.axes()) {
       if (!axis.track) continue;
-      const Track<double>& track = plan.tracks()[*axis.track].track();
-      std::vector<AxisMotion<double>> motion(plan.move().tracks[*axis.track].axes.size());
+      const Track& track = plan.tracks()[*axis.track].track();
+      std::vector<AxisMotion> motion(plan.move().tracks[*axis.track].axes.size());
       const RigAxis& limits = plan.rig()->axes[static_cast<std::size_t>(&axis - plan.axes().data())];
       for (std::int32_t frame = 0; frame < plan.move().frames; ++frame) {
         for (const double fraction : {0.0, 0.25, 0.5, 0.75}) {

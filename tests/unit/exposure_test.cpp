@@ -41,20 +41,20 @@ struct Bench {
     // Twice the peaks, because rolls ask for more than the move alone.
     return {move, rig_near(move, {.share = [] { return 2.0; }, .limits_jerk = true, .rate_hz = rate_hz}), {}};
   }
-  [[nodiscard]] Playhead<double> playhead() const { return {plan.played(), *stops.bounds(), rate_hz}; }
-  [[nodiscard]] std::vector<double> at(const FrameTime<double>& time) const {
+  [[nodiscard]] Playhead playhead() const { return {plan.played(), *stops.bounds(), rate_hz}; }
+  [[nodiscard]] std::vector<double> at(const FrameTime& time) const {
     std::vector<double> positions(2);
     plan.motion().positions(time, positions);
     return positions;
   }
 };
 
-Exposure<double> exposure_of(std::int32_t frame, double open, double close, double seconds) {
-  const FrameTime<double> at{frame, 0};
+Exposure exposure_of(std::int32_t frame, double open, double close, double seconds) {
+  const FrameTime at{frame, 0};
   return {moved_by(at, open), moved_by(at, close), seconds};
 }
 
-void rest(Playhead<double>& playhead, RecordedPlay& record) {
+void rest(Playhead& playhead, RecordedPlay& record) {
   for (int i = 0; i < 100'000 && !playhead.is_resting(); ++i) {
     playhead.tick();
     record.take(playhead);
@@ -63,8 +63,7 @@ void rest(Playhead<double>& playhead, RecordedPlay& record) {
 }
 
 /// Goes to the run-up, exposes, and looks at every tick.
-void expect_exposed(const Bench& bench, Playhead<double>& playhead, RecordedPlay& record,
-                    const Exposure<double>& exposure) {
+void expect_exposed(const Bench& bench, Playhead& playhead, RecordedPlay& record, const Exposure& exposure) {
   ASSERT_TRUE(playhead.go_to_run_up(exposure));
   rest(playhead, record);
   ASSERT_TRUE(playhead.expose(exposure));
@@ -72,7 +71,7 @@ void expect_exposed(const Bench& bench, Playhead<double>& playhead, RecordedPlay
   const double open_ticks = exposure.seconds / tick_s;
   int since_open = -1;
   int closes_after = -1;
-  FrameTime<double> before = playhead.time();
+  FrameTime before = playhead.time();
   while (!playhead.is_resting()) {
     const PlayheadEvent event = playhead.tick();
     record.take(playhead);
@@ -97,7 +96,7 @@ void expect_exposed(const Bench& bench, Playhead<double>& playhead, RecordedPlay
 
 TEST(Exposure, OfEveryFrameBeginsAndEndsWherePlannedAndIsEvenBetween) {
   const Bench bench;
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   for (std::int32_t frame = 0; frame <= 48; ++frame) {
     SCOPED_TRACE(frame);
@@ -108,7 +107,7 @@ TEST(Exposure, OfEveryFrameBeginsAndEndsWherePlannedAndIsEvenBetween) {
 
 TEST(Exposure, OfASecondThatIsNoWholeNumberOfTicksIsEvenUntilTheTickThatEndsIt) {
   const Bench bench;
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   for (const double seconds : {0.1001, 0.33333, 1.0 / 24, 2.00001}) {
     SCOPED_TRACE(seconds);
@@ -119,7 +118,7 @@ TEST(Exposure, OfASecondThatIsNoWholeNumberOfTicksIsEvenUntilTheTickThatEndsIt) 
 TEST(Exposure, OfAMoveInMotionRunsUpWithinItsPreRollAndOutWithinItsPostRoll) {
   const Bench bench("10, 8, 10, 6, 10");
   ASSERT_LT(bench.plan.played().first_frame(), 0);
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   for (const std::int32_t frame : {0, 1, 47, 48, 0}) {
     SCOPED_TRACE(frame);
@@ -129,14 +128,14 @@ TEST(Exposure, OfAMoveInMotionRunsUpWithinItsPreRollAndOutWithinItsPostRoll) {
 
 TEST(Exposure, AtTheDrawnSpeedIsTheFrameAsItWouldBeFilmed) {
   const Bench bench;
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   expect_exposed(bench, playhead, record, exposure_of(24, 0, 0.5, 0.5 / 24));
 }
 
 TEST(Exposure, ThatWouldNeedMoreThanTheProvenRateIsRefusedAndNothingMoves) {
   const Bench bench;
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   const Status refused = playhead.go_to_run_up(exposure_of(24, 0, 0.5, 0.5 / 24 * 0.999));
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().what, HasSubstr("so short"));
@@ -147,7 +146,7 @@ TEST(Exposure, ThatWouldNeedMoreThanTheProvenRateIsRefusedAndNothingMoves) {
 
 TEST(Exposure, BeginsOnlyWhereItsRunUpStarts) {
   const Bench bench;
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.place_on(24));
   EXPECT_FALSE(playhead.expose(exposure_of(24, 0, 0.5, 0.5)));
   ASSERT_TRUE(playhead.go_to_run_up(exposure_of(24, 0, 0.5, 0.5)));
@@ -159,12 +158,12 @@ TEST(Exposure, BeginsOnlyWhereItsRunUpStarts) {
 /// Whoever plays while the playhead is beyond an end, on its way to a run-up, in it or at rest there.
 TEST(Exposure, PlayedFromBeyondAnEndTheMoveBeginsOnThatEnd) {
   const Bench bench("0, 0, 10, 6, 10, 0, 0");
-  const Exposure<double> exposure = exposure_of(0, -0.5, 0.5, 0.5);
-  const FrameTime<double> first{bench.plan.played().first_frame(), 0};
+  const Exposure exposure = exposure_of(0, -0.5, 0.5, 0.5);
+  const FrameTime first{bench.plan.played().first_frame(), 0};
   int beyond = 0;
   for (const Repeat repeat : {Repeat::none, Repeat::ping_pong}) {
     for (const Direction direction : {Direction::forward, Direction::backward}) {
-      Playhead<double> playhead = bench.playhead();
+      Playhead playhead = bench.playhead();
       playhead.set_repeat(repeat);
       RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
       ASSERT_TRUE(playhead.go_to_run_up(exposure));
@@ -177,7 +176,7 @@ TEST(Exposure, PlayedFromBeyondAnEndTheMoveBeginsOnThatEnd) {
         record.take(playhead);
         if (!(playhead.time() < first)) continue;
         ++beyond;
-        Playhead<double> played = playhead;
+        Playhead played = playhead;
         RecordedPlay watch = record;
         const bool has_way = direction == Direction::forward || repeat == Repeat::ping_pong;
         ASSERT_EQ(played.play(direction).has_value(), has_way);
@@ -199,9 +198,9 @@ TEST(Exposure, PlayedFromBeyondAnEndTheMoveBeginsOnThatEnd) {
 
 TEST(Exposure, CanBeStoppedAtEveryTick) {
   const Bench bench;
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
-  const Exposure<double> exposure = exposure_of(30, 0, 0.5, 0.1);
+  const Exposure exposure = exposure_of(30, 0, 0.5, 0.1);
   ASSERT_TRUE(playhead.go_to_run_up(exposure));
   rest(playhead, record);
   ASSERT_TRUE(playhead.expose(exposure));
@@ -210,10 +209,10 @@ TEST(Exposure, CanBeStoppedAtEveryTick) {
     playhead.tick();
     record.take(playhead);
     ++ticks;
-    Playhead<double> stopped = playhead;
+    Playhead stopped = playhead;
     RecordedPlay stop = record;
-    const StopLength<double> foretold = bench.stops.bounds()->stop_from(playhead.time(), true);
-    const FrameTime<double> from = playhead.time();
+    const StopLength foretold = bench.stops.bounds()->stop_from(playhead.time(), true);
+    const FrameTime from = playhead.time();
     stopped.stop();
     int stop_ticks = 0;
     for (; !stopped.is_resting() && stop_ticks < 10'000; ++stop_ticks) {

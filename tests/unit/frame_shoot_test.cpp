@@ -44,22 +44,21 @@ const std::string crane_rig = rig_text(
 struct Set {
   Plan plan{parse_move(glide, "move.toml"), parse_rig(crane_rig, "rig.toml"), {}};
   PlannedStops stops{plan};
-  Playhead<double> moving{plan.played(), *stops.bounds(), 250};
-  Playhead<double> still{plan.played(), *stops.bounds(), 250};
+  Playhead moving{plan.played(), *stops.bounds(), 250};
+  Playhead still{plan.played(), *stops.bounds(), 250};
   std::array<bool, 2> is_still{false, true};
   std::vector<std::size_t> drive_of{0, 1};
   SimulatedRig rig{std::vector<double>{10, 100}};
   SimulatedLines lines;
   LoopStorage room{2, 2};
-  MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
+  MotionLoop<SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
   std::array<std::int32_t, 7> shots{};
-  FrameShoot<double> shoot;
+  FrameShoot shoot;
 
-  explicit Set(const ShootSpec<double>& spec, bool second_stands_still = false,
-               std::span<const FrameTime<double>> rests = {})
+  explicit Set(const ShootSpec& spec, bool second_stands_still = false, std::span<const FrameTime> rests = {})
       : shoot(spec, {.last = 6, .shots = shots, .rests = rests}, moving,
               second_stands_still ? &still : nullptr) {
-    LoopSpec<double> loaded{&plan.motion(), &moving, drive_of, plan.limits(), tick_s};
+    LoopSpec loaded{&plan.motion(), &moving, drive_of, plan.limits(), tick_s};
     if (second_stands_still) {
       loaded.still = &still;
       loaded.is_still = is_still;
@@ -78,16 +77,16 @@ struct Set {
     EXPECT_EQ(shoot.phase(), phase);
     return ticks;
   }
-  [[nodiscard]] std::vector<double> planned(const FrameTime<double>& time) const {
+  [[nodiscard]] std::vector<double> planned(const FrameTime& time) const {
     std::vector<double> at(2);
     plan.motion().positions(time, at);
     return at;
   }
 };
 
-const ShootSpec<double> resting{.settle_ticks = 5, .exposure_ticks = 3, .shutter = {}};
-const ShootSpec<double> in_motion{
-    .settle_ticks = 5, .exposure_ticks = 1, .shutter = Shutter<double>{0, 0.5}, .exposure_s = 0.1};
+const ShootSpec resting{.settle_ticks = 5, .exposure_ticks = 3, .shutter = {}};
+const ShootSpec in_motion{
+    .settle_ticks = 5, .exposure_ticks = 1, .shutter = Shutter{0, 0.5}, .exposure_s = 0.1};
 
 TEST(FrameShoot, GoesSettlesSignalsAndWaitsOnEveryFrame) {
   Set set(resting);
@@ -158,7 +157,7 @@ TEST(FrameShoot, ATriggerGoesOnWithTheNextFrameThatIsNotShot) {
 
 /// A travel that is stopped at any tick of it rests before the place at which it was to rest, or on it.
 TEST(FrameShoot, NoStopPassesAPlaceAtWhichTravelsRest) {
-  const std::array rests{FrameTime<double>{2, 0.37}, FrameTime<double>{4, 0}};
+  const std::array rests{FrameTime{2, 0.37}, FrameTime{4, 0}};
   for (const std::int32_t to : {6, 0}) {
     std::size_t rested = 0;
     for (int stop = 1; stop < 300; ++stop) {
@@ -173,9 +172,9 @@ TEST(FrameShoot, NoStopPassesAPlaceAtWhichTravelsRest) {
       }
       rested = std::max(rested, here);
       if (set.shoot.phase() != ShootPhase::travelling) break;
-      const FrameTime<double> next = here >= rests.size() ? FrameTime<double>{to, 0}
-                                     : to == 6            ? rests[here]
-                                                          : rests[1 - here];
+      const FrameTime next = here >= rests.size() ? FrameTime{to, 0}
+                             : to == 6            ? rests[here]
+                                                  : rests[1 - here];
       set.moving.stop();
       while (!set.moving.is_resting()) set.moving.tick();
       EXPECT_TRUE(to == 6 ? set.moving.time() <= next : next <= set.moving.time())
@@ -251,7 +250,7 @@ TEST(FrameShoot, AStopEndsTheSignalAndTheFrameIsShotAgain) {
 }
 
 TEST(FrameShoot, AnExposureThatNoRateAllowsIsNamedWithItsFrame) {
-  ShootSpec<double> short_one = in_motion;
+  ShootSpec short_one = in_motion;
   short_one.exposure_s = 0.01;
   Set set(short_one);
   const Status refused = set.shoot.check();

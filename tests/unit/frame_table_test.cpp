@@ -19,18 +19,6 @@ namespace frame_table_test {
 
 using testing::HasSubstr;
 
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-
-template <class Real>
-class FrameTableIn : public testing::Test {};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(FrameTableIn, Precisions, PrecisionName);
-
 RandomMove ordinary_move() {
   RandomMove move;
   move.keys = {.kind = oracle::Kind::smooth,
@@ -51,36 +39,33 @@ RandomMove dwelling_move() {
   return move;
 }
 
-template <Precise Real>
-SolvedTrack<Real> solved(const RandomMove& move) {
-  const TrackInput<Real> input(move);
-  return SolvedTrack<Real>(input.spec, Solver::closed_form);
+SolvedTrack solved(const RandomMove& move) {
+  const TrackInput input(move);
+  return SolvedTrack(input.spec, Solver::closed_form);
 }
 
-template <Precise Real>
-void expect_near(Real value, long double expected, long double tolerance) {
+void expect_near(double value, long double expected, long double tolerance) {
   EXPECT_LE(std::fabs(static_cast<long double>(value) - expected), tolerance)
       << value << " is not " << expected;
 }
 
 // --- what a table says
 
-TYPED_TEST(FrameTableIn, RowsReadAsTheOracleDrawsThem) {
-  using Real = TypeParam;
+TEST(FrameTable, RowsReadAsTheOracleDrawsThem) {
   for (const bool closed : {false, true}) {
     RandomMove move = ordinary_move();
     move.keys.closed = closed;
     move.keys.weights = {1, 0.5L};
-    const SolvedTrack<Real> solution = solved<Real>(move);
+    const SolvedTrack solution = solved(move);
     const oracle::Path path(move.keys);
     const std::vector<oracle::Row> expected =
         oracle::frame_table(path, oracle::Profile(move.speed), move.frames);
     const auto fps = static_cast<long double>(24);
-    const auto delta = static_cast<long double>(Precision<Real>::default_delta);
-    const long double digits = 64 * static_cast<long double>(std::numeric_limits<Real>::epsilon());
+    const auto delta = static_cast<long double>(Precision::default_delta);
+    const long double digits = 64 * static_cast<long double>(std::numeric_limits<double>::epsilon());
     const long double exact = std::max(1e-9L, digits);  // the length itself, at this delta
     for (std::int32_t frame = 0; frame <= move.frames; ++frame) {
-      const FrameRow<Real> row = frame_row(solution.track(), solution.table(), frame);
+      const FrameRow row = frame_row(solution.track(), solution.table(), frame);
       const oracle::Row& drawn = expected[static_cast<std::size_t>(frame)];
       expect_near(row.alpha, drawn.alpha, digits * 7);
       expect_near(row.distance, drawn.distance, delta * path.total_length());
@@ -92,9 +77,9 @@ TYPED_TEST(FrameTableIn, RowsReadAsTheOracleDrawsThem) {
 }
 
 TEST(FrameTable, ThePositionsOfAllRowsHaveTheBitsOfEach) {
-  const SolvedTrack<double> solution = solved<double>(ordinary_move());
-  const Path<double>& path = solution.track().path();
-  const std::span<const PathPoint<double>> points = solution.table().points();
+  const SolvedTrack solution = solved(ordinary_move());
+  const Path& path = solution.track().path();
+  const std::span<const PathPoint> points = solution.table().points();
   std::vector<double> positions(points.size() * static_cast<std::size_t>(path.axis_count()));
   path.positions(points, positions);
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -105,23 +90,22 @@ TEST(FrameTable, ThePositionsOfAllRowsHaveTheBitsOfEach) {
 }
 
 TEST(FrameTable, RowsOfAnotherConstantAreReadWithThatConstant) {
-  const SolvedTrack<double> solution = solved<double>(ordinary_move());
-  const FrameTable<double> twice(solution.table().points(),
-                                 {.constant = 2 * solution.track().constant(), .speed_error = 1e-6});
-  const FrameRow<double> row = frame_row(solution.track(), solution.table(), 40);
-  const FrameRow<double> doubled = frame_row(solution.track(), twice, 40);
+  const SolvedTrack solution = solved(ordinary_move());
+  const FrameTable twice(solution.table().points(),
+                         {.constant = 2 * solution.track().constant(), .speed_error = 1e-6});
+  const FrameRow row = frame_row(solution.track(), solution.table(), 40);
+  const FrameRow doubled = frame_row(solution.track(), twice, 40);
   EXPECT_DOUBLE_EQ(doubled.speed, 2 * row.speed);
   EXPECT_DOUBLE_EQ(doubled.acceleration, 2 * row.acceleration);
   EXPECT_EQ(doubled.distance, row.distance);
 }
 
-TYPED_TEST(FrameTableIn, SaysWhereItComesFrom) {
-  using Real = TypeParam;
-  const SolvedTrack<Real> solution = solved<Real>(ordinary_move());
+TEST(FrameTable, SaysWhereItComesFrom) {
+  const SolvedTrack solution = solved(ordinary_move());
   EXPECT_EQ(solution.table().frames(), 100);
-  const Provenance<Real>& provenance = solution.table().provenance();
+  const Provenance& provenance = solution.table().provenance();
   EXPECT_EQ(provenance.solver, Solver::closed_form);
-  EXPECT_EQ(provenance.speed_error, Precision<Real>::default_delta);
+  EXPECT_EQ(provenance.speed_error, Precision::default_delta);
   EXPECT_EQ(provenance.speed_error_frame, -1);
   EXPECT_EQ(provenance.constant, solution.track().constant());
   EXPECT_EQ(provenance.integrations, 0);
@@ -129,25 +113,24 @@ TYPED_TEST(FrameTableIn, SaysWhereItComesFrom) {
 }
 
 TEST(FrameTable, StatesTheCapacityNeededWhichSuffices) {
-  const SolvedTrack<double> solution = solved<double>(ordinary_move());
-  std::vector<PathPoint<double>> points(100);
-  const auto refused = closed_form_table<double>(solution.track(), points);
+  const SolvedTrack solution = solved(ordinary_move());
+  std::vector<PathPoint> points(100);
+  const auto refused = closed_form_table(solution.track(), points);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::capacity);
   ASSERT_EQ(refused.error().needed, 101);
   points.resize(101);
-  EXPECT_TRUE(closed_form_table<double>(solution.track(), points));
+  EXPECT_TRUE(closed_form_table(solution.track(), points));
 }
 
-TYPED_TEST(FrameTableIn, OneKeyIsOneRowAfterAnother) {
-  using Real = TypeParam;
+TEST(FrameTable, OneKeyIsOneRowAfterAnother) {
   RandomMove move = ordinary_move();
   move.keys.at.resize(1);
-  const SolvedTrack<Real> solution = solved<Real>(move);
+  const SolvedTrack solution = solved(move);
   ASSERT_EQ(solution.table().frames(), 100);
   for (std::int32_t frame = 0; frame <= 100; ++frame) {
-    const FrameRow<Real> row = frame_row(solution.track(), solution.table(), frame);
-    EXPECT_EQ(row.point, (PathPoint<Real>{0, 0}));
+    const FrameRow row = frame_row(solution.track(), solution.table(), frame);
+    EXPECT_EQ(row.point, (PathPoint{0, 0}));
     EXPECT_EQ(row.distance, 0);
     EXPECT_EQ(row.speed, 0);
     EXPECT_EQ(row.acceleration, 0);
@@ -157,14 +140,13 @@ TYPED_TEST(FrameTableIn, OneKeyIsOneRowAfterAnother) {
 
 // --- its invariants
 
-TYPED_TEST(FrameTableIn, GoodTablesKeepEveryRule) {
-  using Real = TypeParam;
+TEST(FrameTable, GoodTablesKeepEveryRule) {
   for (const oracle::Kind kind : {oracle::Kind::smooth, oracle::Kind::catmull_rom, oracle::Kind::linear}) {
     for (const bool closed : {false, true}) {
       for (RandomMove move : {ordinary_move(), dwelling_move()}) {
         move.keys.kind = kind;
         move.keys.closed = closed;
-        const SolvedTrack<Real> solution = solved<Real>(move);
+        const SolvedTrack solution = solved(move);
         const Status status = check_invariants(solution.track(), solution.table());
         EXPECT_TRUE(status) << status.error().what;
       }
@@ -172,66 +154,62 @@ TYPED_TEST(FrameTableIn, GoodTablesKeepEveryRule) {
   }
 }
 
-template <Precise Real>
-using Damage = std::function<void(std::vector<PathPoint<Real>>&)>;
+using Damage = std::function<void(std::vector<PathPoint>&)>;
 
 /// Damages a good table and expects the rule and the frame to be named.
-template <Precise Real>
-void expect_broken(const RandomMove& move, const Damage<Real>& damage, const char* rule, std::int32_t frame) {
-  const SolvedTrack<Real> solution = solved<Real>(move);
+void expect_broken(const RandomMove& move, const Damage& damage, const char* rule, std::int32_t frame) {
+  const SolvedTrack solution = solved(move);
   const auto good = solution.table().points();
-  std::vector<PathPoint<Real>> points(good.begin(), good.end());
+  std::vector<PathPoint> points(good.begin(), good.end());
   damage(points);
-  const FrameTable<Real> table(points, solution.table().provenance());
+  const FrameTable table(points, solution.table().provenance());
   const Status status = check_invariants(solution.track(), table);
   ASSERT_FALSE(status) << "nobody noticed: " << rule;
   EXPECT_THAT(status.error().what, HasSubstr(rule));
   EXPECT_EQ(status.error().frame, frame);
 }
 
-TYPED_TEST(FrameTableIn, APairOfFramesThatChangedPlacesIsNoticed) {
-  using Points = std::vector<PathPoint<TypeParam>>;
-  expect_broken<TypeParam>(
+TEST(FrameTable, APairOfFramesThatChangedPlacesIsNoticed) {
+  using Points = std::vector<PathPoint>;
+  expect_broken(
       ordinary_move(), [](Points& points) { std::swap(points[50], points[51]); }, "s falls", 51);
-  expect_broken<TypeParam>(
+  expect_broken(
       ordinary_move(), [](Points& points) { std::swap(points[99], points[100]); }, "s falls", 100);
 }
 
-TYPED_TEST(FrameTableIn, APointBesideThePathIsNoticed) {
-  using Real = TypeParam;
-  using Points = std::vector<PathPoint<Real>>;
-  const Real infinity = std::numeric_limits<Real>::infinity();
-  for (const PathPoint<Real>& bad : {PathPoint<Real>{2, Real(1.5)},
-                                     {2, Real(-0.5)},
-                                     {2, Real(1.001)},
-                                     {2, std::nextafter(Real(1), Real(2))},
-                                     {-1, 0},
-                                     {5, 0},
-                                     {4, Real(1e-30)},
-                                     {2, std::numeric_limits<Real>::quiet_NaN()},
-                                     {2, infinity}}) {
-    expect_broken<Real>(
+TEST(FrameTable, APointBesideThePathIsNoticed) {
+  using Points = std::vector<PathPoint>;
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const PathPoint& bad : {PathPoint{2, 1.5},
+                               {2, -0.5},
+                               {2, 1.001},
+                               {2, std::nextafter(1.0, 2.0)},
+                               {-1, 0},
+                               {5, 0},
+                               {4, 1e-30},
+                               {2, std::numeric_limits<double>::quiet_NaN()},
+                               {2, infinity}}) {
+    expect_broken(
         ordinary_move(), [&](Points& points) { points[50] = bad; }, "not on the path", 50);
   }
 }
 
-TYPED_TEST(FrameTableIn, AFirstFrameThatLeftTheFirstKeyIsNoticed) {
-  using Real = TypeParam;
-  using Points = std::vector<PathPoint<Real>>;
-  const Real ulp = std::numeric_limits<Real>::denorm_min();
-  expect_broken<Real>(
+TEST(FrameTable, AFirstFrameThatLeftTheFirstKeyIsNoticed) {
+  using Points = std::vector<PathPoint>;
+  const double ulp = std::numeric_limits<double>::denorm_min();
+  expect_broken(
       ordinary_move(),
       [&](Points& points) {
         points[0] = {0, ulp};
       },
       "begin at the first key", 0);
-  expect_broken<Real>(
+  expect_broken(
       ordinary_move(),
       [&](Points& points) {
         points[0] = {0, -ulp};
       },
       "not on the path", 0);
-  expect_broken<Real>(
+  expect_broken(
       ordinary_move(),
       [&](Points& points) {
         points[0] = {1, 0};
@@ -239,39 +217,38 @@ TYPED_TEST(FrameTableIn, AFirstFrameThatLeftTheFirstKeyIsNoticed) {
       "s falls", 1);
 }
 
-TYPED_TEST(FrameTableIn, ALastFrameThatMissesTheLastKeyIsNoticed) {
-  using Real = TypeParam;
-  using Points = std::vector<PathPoint<Real>>;
+TEST(FrameTable, ALastFrameThatMissesTheLastKeyIsNoticed) {
+  using Points = std::vector<PathPoint>;
   // {3, 1} is the place of the last key, but not written as every reader expects it.
-  for (const PathPoint<Real>& bad : {PathPoint<Real>{3, std::nextafter(Real(1), Real(0))}, {3, 1}}) {
-    expect_broken<Real>(
+  for (const PathPoint& bad : {PathPoint{3, std::nextafter(1.0, 0.0)}, {3, 1}}) {
+    expect_broken(
         ordinary_move(), [&](Points& points) { points[100] = bad; }, "end at the last key", 100);
   }
 }
 
-TYPED_TEST(FrameTableIn, AFrameAwayFromItsDrawnSpeedIsNoticed) {
-  using Points = std::vector<PathPoint<TypeParam>>;
-  for (const TypeParam off : {TypeParam(1e-3), TypeParam(-1e-3)}) {
-    expect_broken<TypeParam>(
+TEST(FrameTable, AFrameAwayFromItsDrawnSpeedIsNoticed) {
+  using Points = std::vector<PathPoint>;
+  for (const double off : {double(1e-3), double(-1e-3)}) {
+    expect_broken(
         ordinary_move(), [&](Points& points) { points[58].t += off; }, "speed is not as drawn", 58);
   }
 }
 
 TEST(FrameTable, ACreepWithinADwellIsNoticed) {
   // 1e-9 of a segment: too little to show in the step that leaves the dwell.
-  expect_broken<double>(
-      dwelling_move(), [](std::vector<PathPoint<double>>& points) { points[6].t += 1e-9; }, "short step", 6);
+  expect_broken(
+      dwelling_move(), [](std::vector<PathPoint>& points) { points[6].t += 1e-9; }, "short step", 6);
 }
 
-TYPED_TEST(FrameTableIn, ARowTooFewIsNoticed) {
-  expect_broken<TypeParam>(
-      ordinary_move(), [](std::vector<PathPoint<TypeParam>>& points) { points.pop_back(); },
+TEST(FrameTable, ARowTooFewIsNoticed) {
+  expect_broken(
+      ordinary_move(), [](std::vector<PathPoint>& points) { points.pop_back(); },
       "not one row for every frame", 99);
 }
 
 TEST(FrameTable, TheFirstBrokenRuleIsTheOneNamed) {
-  using Points = std::vector<PathPoint<double>>;
-  expect_broken<double>(
+  using Points = std::vector<PathPoint>;
+  expect_broken(
       ordinary_move(),
       [](Points& points) {
         points[0] = {0, 1e-300};
@@ -279,7 +256,7 @@ TEST(FrameTable, TheFirstBrokenRuleIsTheOneNamed) {
         points[70].t = 7;
       },
       "s falls", 51);
-  expect_broken<double>(
+  expect_broken(
       ordinary_move(),
       [](Points& points) {
         points[0] = {0, 1e-300};
@@ -297,13 +274,13 @@ TEST(FrameTable, TheDeviationIsThatOfTheWorstStep) {
   move.keys.at = {{0, 0}, {10, 0}};
   move.speed = {1};
   move.frames = 10;
-  const SolvedTrack<double> solution = solved<double>(move);
+  const SolvedTrack solution = solved(move);
   const auto good = solution.table().points();
-  std::vector<PathPoint<double>> points(good.begin(), good.end());
-  EXPECT_LE(measure_speed_deviation<double>(solution.track(), points).relative, 1e-13);
+  std::vector<PathPoint> points(good.begin(), good.end());
+  EXPECT_LE(measure_speed_deviation(solution.track(), points).relative, 1e-13);
   points[4].t += 0.002;  // 0.02 units
   points[7].t -= 0.001;
-  const auto deviation = measure_speed_deviation<double>(solution.track(), points);
+  const auto deviation = measure_speed_deviation(solution.track(), points);
   EXPECT_NEAR(deviation.relative, 0.02, 1e-12);
   EXPECT_TRUE(deviation.frame == 4 || deviation.frame == 5);
   EXPECT_EQ(deviation.absolute, 0);

@@ -16,19 +16,19 @@ TEST(FrameTime, FramesPerSecondIsTheFraction) {
 }
 
 TEST(FrameTime, TickZeroIsFrameZero) {
-  const auto time = frame_time_of_tick<double>(0, film, 250);
+  const auto time = frame_time_of_tick(0, film, 250);
   EXPECT_EQ(time.frame, 0);
   EXPECT_EQ(time.fraction, 0.0);
 }
 
 TEST(FrameTime, TheThirdTickOfTenAFrameStandsAtThreeTenths) {
-  const auto time = frame_time_of_tick<double>(73, {25, 1}, 250);
+  const auto time = frame_time_of_tick(73, {25, 1}, 250);
   EXPECT_EQ(time.frame, 7);
   EXPECT_EQ(time.fraction, 0.3);
 }
 
 TEST(FrameTime, SeveralFramesPassWithinATickThatIsSlowerThanTheFrames) {
-  const auto time = frame_time_of_tick<double>(3, {60, 1}, 8);
+  const auto time = frame_time_of_tick(3, {60, 1}, 8);
   EXPECT_EQ(time.frame, 22);
   EXPECT_EQ(time.fraction, 0.5);
 }
@@ -78,8 +78,8 @@ TEST(LastTick, IsTheFirstTickAtOrAfterTheLastFrame) {
     for (const std::int32_t rate : {1, 7, 250, 1000}) {
       for (std::int32_t frames = 1; frames < 100; ++frames) {
         const std::int64_t last = last_tick(frames, fps, rate);
-        const auto at_last = frame_time_of_tick<double>(last, fps, rate);
-        const auto before = frame_time_of_tick<double>(last - 1, fps, rate);
+        const auto at_last = frame_time_of_tick(last, fps, rate);
+        const auto before = frame_time_of_tick(last - 1, fps, rate);
         EXPECT_GE(at_last.frame, frames);
         EXPECT_LT(before.frame, frames) << "a tick earlier would do";
       }

@@ -15,17 +15,16 @@ namespace free_axis_test {
 
 constexpr double tick_s = 0.004;
 /// 100 mm/s after 0.5 s: 0.25 s bends of 200 mm/s^2 at most, and 0.25 s straight.
-constexpr FreeAxisLimits<double> track{
-    .velocity = 100, .acceleration = 200, .jerk = 800, .min = 0, .max = 1000};
+constexpr FreeAxisLimits track{.velocity = 100, .acceleration = 200, .jerk = 800, .min = 0, .max = 1000};
 
-FreeAxis<double> axis_at(double position, const FreeAxisLimits<double>& limits = track) {
-  return *FreeAxis<double>::make(limits, position, tick_s);
+FreeAxis axis_at(double position, const FreeAxisLimits& limits = track) {
+  return *FreeAxis::make(limits, position, tick_s);
 }
 
-void tick_for(FreeAxis<double>& axis, int ticks) {
+void tick_for(FreeAxis& axis, int ticks) {
   for (int i = 0; i < ticks; ++i) axis.tick();
 }
-int ticks_to_rest(FreeAxis<double>& axis) {
+int ticks_to_rest(FreeAxis& axis) {
   int ticks = 0;
   for (; !axis.is_resting() && ticks < 100'000; ++ticks) axis.tick();
   return ticks;
@@ -37,7 +36,7 @@ const char* remedy_of(const Status& status) {
 
 /// v/a + a/j seconds up and down, and the rest of the way at v: 0.75 s, 325 mm / 100 mm/s, 0.75 s.
 TEST(FreeAxis, GoesFromRestToRestInTheShortestTime) {
-  FreeAxis<double> axis = axis_at(100);
+  FreeAxis axis = axis_at(100);
   ASSERT_TRUE(axis.go_to(500));
   EXPECT_EQ(axis.end(), 500);
   EXPECT_EQ(ticks_to_rest(axis), static_cast<int>(std::ceil((0.75 + 3.25 + 0.75) / tick_s - 1e-9)));
@@ -46,7 +45,7 @@ TEST(FreeAxis, GoesFromRestToRestInTheShortestTime) {
 
 /// 8 mm with four bends of t seconds: 2 j t^3.
 TEST(FreeAxis, AShortWayHasFourBendsAndNothingElse) {
-  FreeAxis<double> axis = axis_at(100);
+  FreeAxis axis = axis_at(100);
   ASSERT_TRUE(axis.go_to(92));
   const double seconds = 4 * std::cbrt(8.0 / (2 * 800));
   EXPECT_EQ(ticks_to_rest(axis), static_cast<int>(std::ceil(seconds / tick_s)));
@@ -54,11 +53,11 @@ TEST(FreeAxis, AShortWayHasFourBendsAndNothingElse) {
 }
 
 TEST(FreeAxis, MovesByTheCubicOfItsJerkWhereverThatChangesWithinATick) {
-  FreeAxis<double> axis = axis_at(0);
+  FreeAxis axis = axis_at(0);
   ASSERT_TRUE(axis.drive(1));  // bends of sqrt(1/800) = 0.03536 s, which is 8.8 ticks
   const double bend_s = std::sqrt(1.0 / 800);
   for (int i = 1; i < 20; ++i) {
-    const Setpoint<double> now = axis.tick();
+    const Setpoint now = axis.tick();
     const double t = i * tick_s;
     const double left = 2 * bend_s - t;
     if (t <= bend_s) {
@@ -78,7 +77,7 @@ TEST(FreeAxis, MovesByTheCubicOfItsJerkWhereverThatChangesWithinATick) {
 }
 
 TEST(FreeAxis, WhatIsDrivenRestsExactlyAtTheSoftLimitAhead) {
-  FreeAxis<double> axis = axis_at(500);
+  FreeAxis axis = axis_at(500);
   ASSERT_TRUE(axis.drive(100));
   EXPECT_EQ(axis.end(), 1000);
   ticks_to_rest(axis);
@@ -89,8 +88,8 @@ TEST(FreeAxis, WhatIsDrivenRestsExactlyAtTheSoftLimitAhead) {
 }
 
 TEST(FreeAxis, ARepeatedCommandChangesNothing) {
-  FreeAxis<double> once = axis_at(500);
-  FreeAxis<double> again = axis_at(500);
+  FreeAxis once = axis_at(500);
+  FreeAxis again = axis_at(500);
   ASSERT_TRUE(once.drive(70));
   for (int i = 0; i < 2000; ++i) {
     if (i == 0 || !again.is_resting()) {
@@ -103,7 +102,7 @@ TEST(FreeAxis, ARepeatedCommandChangesNothing) {
 
 /// 0.75 s and v/2 times as far from full speed; while the speed rises at 200 mm/s^2 it has to bend first.
 TEST(FreeAxis, KnowsItsStopBeforehand) {
-  FreeAxis<double> axis = axis_at(0);
+  FreeAxis axis = axis_at(0);
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 250);
   EXPECT_NEAR(axis.stop_distance(), 37.5, 1e-12);
@@ -118,7 +117,7 @@ TEST(FreeAxis, KnowsItsStopBeforehand) {
 }
 
 TEST(FreeAxis, TooFastToRestThereItComesBack) {
-  FreeAxis<double> axis = axis_at(0);
+  FreeAxis axis = axis_at(0);
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 500);
   const double target = axis.position() + 10;
@@ -133,13 +132,13 @@ TEST(FreeAxis, TooFastToRestThereItComesBack) {
 /// that fits is worth half a micrometre, which must not be a jump.
 TEST(FreeAxis, WhatTheLastBitOfASpeedLeavesOpenIsNoJump) {
   constexpr double fine_s = 1.0 / 4000;
-  FreeAxis<double> axis = *FreeAxis<double>::make(track, 0, fine_s);
+  FreeAxis axis = *FreeAxis::make(track, 0, fine_s);
   ASSERT_TRUE(axis.drive(50));
   while (axis.state().acceleration != 0 || axis.state().velocity != 50) axis.tick();
   const double target = axis.position() + axis.stop_distance() + 1e-6;
   ASSERT_TRUE(axis.go_to(target));
   while (!axis.is_resting()) {
-    const Setpoint<double> from = axis.state();
+    const Setpoint from = axis.state();
     const double way = axis.tick().position - from.position;
     const double expected = fine_s * (from.velocity + fine_s * from.acceleration / 2);
     ASSERT_NEAR(way, expected, track.jerk * fine_s * fine_s * fine_s / 6 + 1e-11);
@@ -148,7 +147,7 @@ TEST(FreeAxis, WhatTheLastBitOfASpeedLeavesOpenIsNoJump) {
 }
 
 TEST(FreeAxis, SlowsDownToTheSpeedOfANewCommand) {
-  FreeAxis<double> axis = axis_at(0);
+  FreeAxis axis = axis_at(0);
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 250);
   ASSERT_TRUE(axis.go_to(900, 20));
@@ -159,7 +158,7 @@ TEST(FreeAxis, SlowsDownToTheSpeedOfANewCommand) {
 }
 
 TEST(FreeAxis, OutsideItsSoftLimitsItIsOnlyDrivenInside) {
-  FreeAxis<double> axis = axis_at(1200);
+  FreeAxis axis = axis_at(1200);
   EXPECT_STREQ(remedy_of(axis.drive(10)), "drive it the other way");
   EXPECT_TRUE(axis.is_resting());
   EXPECT_STREQ(remedy_of(axis.go_to(1100)), "go to one between min and max");
@@ -173,7 +172,7 @@ TEST(FreeAxis, OutsideItsSoftLimitsItIsOnlyDrivenInside) {
 }
 
 TEST(FreeAxis, TheVelocityThatStopsInTimeIsFromTheWorstMoment) {
-  const FreeAxis<double> axis = axis_at(0);
+  const FreeAxis axis = axis_at(0);
   EXPECT_EQ(axis.velocity_that_stops_within(0), 0);
   EXPECT_EQ(axis.velocity_that_stops_within(-1), 0);
   // Acceleration never reaches its limit: 800 (t / (2 + sqrt 2))^2; then 800 ((t - 1/4) / 2)^2; then
@@ -185,7 +184,7 @@ TEST(FreeAxis, TheVelocityThatStopsInTimeIsFromTheWorstMoment) {
 }
 
 TEST(FreeAxis, HaltedItIsAtRestWhereItIs) {
-  FreeAxis<double> axis = axis_at(0);
+  FreeAxis axis = axis_at(0);
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 100);
   const double here = axis.position();
@@ -203,9 +202,9 @@ TEST(FreeAxis, HaltedItIsAtRestWhereItIs) {
 
 /// With 4 times the limits 3200 mm/s^3 alone decide: 2 sqrt(100/3200) s, and half of 100 mm/s meanwhile.
 TEST(FreeAxis, AStopMayUseMoreThanTheMotion) {
-  FreeAxisLimits<double> limits = track;
+  FreeAxisLimits limits = track;
   limits.stop_share = 4;
-  FreeAxis<double> axis = axis_at(0, limits);
+  FreeAxis axis = axis_at(0, limits);
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 250);
   EXPECT_EQ(axis.state().velocity, 100) << "it speeds up as ever";
@@ -219,12 +218,12 @@ TEST(FreeAxis, AStopMayUseMoreThanTheMotion) {
 TEST(FreeAxis, IllegalNumbersAreRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
-  const auto limits_with = [](double FreeAxisLimits<double>::*field, double value) {
-    FreeAxisLimits<double> limits = track;
+  const auto limits_with = [](double FreeAxisLimits::*field, double value) {
+    FreeAxisLimits limits = track;
     limits.*field = value;
-    return FreeAxis<double>::make(limits, 0, tick_s);
+    return FreeAxis::make(limits, 0, tick_s);
   };
-  using Limits = FreeAxisLimits<double>;
+  using Limits = FreeAxisLimits;
   for (double Limits::*field : {&Limits::velocity, &Limits::acceleration, &Limits::jerk}) {
     for (const double value : {nan, infinity, 0.0, -1.0, 1e200}) EXPECT_FALSE(limits_with(field, value));
   }
@@ -234,9 +233,9 @@ TEST(FreeAxis, IllegalNumbersAreRefused) {
   for (const double value : {nan, infinity, 1000.0, 1e200}) EXPECT_FALSE(limits_with(&Limits::min, value));
   EXPECT_FALSE(limits_with(&Limits::max, 0));
   EXPECT_FALSE(limits_with(&Limits::jerk, 1e-119)) << "a stop of years";
-  EXPECT_FALSE(FreeAxis<double>::make(track, nan, tick_s));
-  EXPECT_FALSE(FreeAxis<double>::make(track, 0, 0));
-  FreeAxis<double> axis = axis_at(0);
+  EXPECT_FALSE(FreeAxis::make(track, nan, tick_s));
+  EXPECT_FALSE(FreeAxis::make(track, 0, 0));
+  FreeAxis axis = axis_at(0);
   for (const double value : {nan, infinity, 101.0, -101.0}) {
     EXPECT_FALSE(axis.drive(value));
     EXPECT_FALSE(axis.go_to(10, value));
@@ -252,7 +251,7 @@ TEST(FreeAxes, AreTickedAndStoppedTogether) {
   EXPECT_TRUE(motion.is_resting());
   ASSERT_TRUE(motion.axes()[0].drive(100));
   ASSERT_TRUE(motion.axes()[1].drive(-50));
-  std::array<Setpoint<double>, 2> out;
+  std::array<Setpoint, 2> out;
   for (int i = 0; i < 250; ++i) motion.tick(0, out);
   EXPECT_EQ(out[0].velocity, 100);
   EXPECT_EQ(out[1].velocity, -50);

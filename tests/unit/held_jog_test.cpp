@@ -44,7 +44,7 @@ struct Bench {
   LoopTrace trace{1};
   LoopAudience audience;
   std::vector<std::size_t> drive_of{0};
-  std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0])};
+  std::vector<AxisLimits> limits{limits_of(rig.axes[0])};
   std::optional<FreeAxes> free;
   std::optional<Jog> jog;
   std::optional<FastRunner> runner;
@@ -56,22 +56,20 @@ struct Bench {
 
   explicit Bench(double at = 100, double reach = 50) : hardware(rig, std::vector<double>{at}) {
     loop.emplace(drives, lines, room.memory());
-    free.emplace(std::vector{*FreeAxis<double>::make(free_limits_of(rig.axes[0], 1), at, tick_s)});
-    jog.emplace(*loop,
-                FreeSpec<double>{.source = source_of<double>(*free),
-                                 .drive_of = drive_of,
-                                 .limits = limits,
-                                 .tick_seconds = tick_s},
-                *free,
-                std::vector<JogAxis>{{.name = "track",
-                                      .unit = "mm",
-                                      .increments = {0.01, 0.05, 0.2, 1, 5},
-                                      .min = 0,
-                                      .max = 500,
-                                      .count = 1.0 / 40,
-                                      .is_referenced = true,
-                                      .reach = reach}},
-                0);
+    free.emplace(std::vector{*FreeAxis::make(free_limits_of(rig.axes[0], 1), at, tick_s)});
+    jog.emplace(
+        *loop,
+        FreeSpec{.source = source_of(*free), .drive_of = drive_of, .limits = limits, .tick_seconds = tick_s},
+        *free,
+        std::vector<JogAxis>{{.name = "track",
+                              .unit = "mm",
+                              .increments = {0.01, 0.05, 0.2, 1, 5},
+                              .min = 0,
+                              .max = 500,
+                              .count = 1.0 / 40,
+                              .is_referenced = true,
+                              .reach = reach}},
+        0);
     audience.keys = [] { return std::string(); };
     audience.device = [this, held = false]() mutable {
       path.push_back(loop->setpoints()[0].position);

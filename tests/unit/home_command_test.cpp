@@ -102,9 +102,9 @@ struct Bench {
   LoopAudience audience;
   std::vector<std::size_t> axes{0, 2};
   std::vector<double> positions{0, 0, 0};
-  std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
+  std::vector<AxisLimits> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
   std::optional<RigHoming<Switches>> homing;
-  std::vector<Setpoint<double>> was = std::vector<Setpoint<double>>(2);
+  std::vector<Setpoint> was = std::vector<Setpoint>(2);
   std::vector<double> fastest{0, 0};
   int ticks = 0;
   std::function<void(int)> look = [](int) {};
@@ -129,7 +129,7 @@ struct Bench {
   }
 
   // A FreeSource: the homing, and the shafts, which follow within a tick.
-  void tick(std::int64_t now_ns, std::span<Setpoint<double>> out) {
+  void tick(std::int64_t now_ns, std::span<Setpoint> out) {
     look(++ticks);
     switches.now = std::exchange(switches.coming, {});
     std::ranges::sort(switches.now, {}, &LineEvent::at_ns);
@@ -144,7 +144,7 @@ struct Bench {
   void halt() { homing->halt(); }
   [[nodiscard]] bool is_resting() const { return homing->is_resting(); }
 
-  [[nodiscard]] Setpoint<double> there(std::size_t i, Setpoint<double> setpoint) const {
+  [[nodiscard]] Setpoint there(std::size_t i, Setpoint setpoint) const {
     setpoint.position += truly[i];
     return setpoint;
   }
@@ -157,8 +157,7 @@ struct Bench {
     Arming arming(loop);
     runner.run(arming, std::nullopt);
     ManualMotion play(
-        loop,
-        {.source = source_of<double>(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s},
+        loop, {.source = source_of(*this), .drive_of = axes, .limits = limits, .tick_seconds = tick_s},
         "homing");
     const ActEnd end = runner.run(play, std::nullopt);
     EXPECT_TRUE(end.begun);
@@ -265,15 +264,15 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   Arming arming(loop);
   runner.run(arming, std::nullopt);
   const std::vector<std::size_t> axes{0, 2};
-  const std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
+  const std::vector<AxisLimits> limits{limits_of(rig.axes[0]), limits_of(rig.axes[2])};
   RigHoming<RigInputs> homing(rig, axes, lines,
                               {.positions = arming.positions(),
                                .drives = loop.drive_states(),
                                .tick_seconds = tick_s,
                                .delay_ns = 2 * tick_ns});
-  ManualMotion play(
-      loop, {.source = source_of<double>(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s},
-      "homing");
+  ManualMotion play(loop,
+                    {.source = source_of(homing), .drive_of = axes, .limits = limits, .tick_seconds = tick_s},
+                    "homing");
   ASSERT_TRUE(runner.run(play, std::nullopt).begun);
   Arriving arriving(loop, 250);
   runner.run(arriving, std::nullopt);

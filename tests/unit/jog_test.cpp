@@ -54,13 +54,13 @@ struct Bench {
   LoopTrace trace{2};
   LoopAudience audience;
   std::vector<std::size_t> drive_of{0, 1};
-  std::vector<AxisLimits<double>> limits{limits_of(rig.axes[0]), limits_of(rig.axes[1])};
+  std::vector<AxisLimits> limits{limits_of(rig.axes[0]), limits_of(rig.axes[1])};
   std::optional<FreeAxes> free;
   std::optional<Jog> jog;
   std::optional<FastRunner> runner;
 
-  std::map<int, std::string> typed;                 ///< by tick
-  std::vector<std::vector<Setpoint<double>>> path;  ///< of both axes, as they were when a tick began
+  std::map<int, std::string> typed;         ///< by tick
+  std::vector<std::vector<Setpoint>> path;  ///< of both axes, as they were when a tick began
   std::vector<std::size_t> marks;
   int keeps = 0;
   std::function<void(int)> look = [](int) {};
@@ -70,10 +70,10 @@ struct Bench {
   explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true, bool teaches = false)
       : hardware(rig, at) {
     loop.emplace(drives, lines, room.memory());
-    std::vector<FreeAxis<double>> axes;
+    std::vector<FreeAxis> axes;
     std::vector<JogAxis> jogged;
     for (std::size_t a = 0; a < 2; ++a) {
-      axes.push_back(*FreeAxis<double>::make(free_limits_of(rig.axes[a], 1), at[a], tick_s));
+      axes.push_back(*FreeAxis::make(free_limits_of(rig.axes[a], 1), at[a], tick_s));
       jogged.push_back({.name = rig.axes[a].name.c_str(),
                         .unit = "mm",
                         .increments = increments,
@@ -83,12 +83,10 @@ struct Bench {
                         .is_referenced = is_referenced});
     }
     free.emplace(std::move(axes));
-    jog.emplace(*loop,
-                FreeSpec<double>{.source = source_of<double>(*free),
-                                 .drive_of = drive_of,
-                                 .limits = limits,
-                                 .tick_seconds = tick_s},
-                *free, jogged, 0, teaches);
+    jog.emplace(
+        *loop,
+        FreeSpec{.source = source_of(*free), .drive_of = drive_of, .limits = limits, .tick_seconds = tick_s},
+        *free, jogged, 0, teaches);
     audience.keys = [this] {
       path.push_back({loop->setpoints().begin(), loop->setpoints().end()});
       const int tick = static_cast<int>(path.size());
@@ -191,7 +189,7 @@ TEST(Jog, OneStepAtATimeAndNothingWaitsForItsTurn) {
     }
     if (tick == 110) words = bench.jog->snapshot().words;
   };
-  bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
+  bench.free->axes()[0] = *FreeAxis::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
   bench.run(1200);
   EXPECT_DOUBLE_EQ(bench.at(1200), 105);
   EXPECT_THAT(words, HasSubstr("one step at a time"));
@@ -199,7 +197,7 @@ TEST(Jog, OneStepAtATimeAndNothingWaitsForItsTurn) {
 
 TEST(Jog, AnyOtherKeyStopsOrTakesBackThePress) {
   Bench moving;
-  moving.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(moving.rig.axes[0], 0.05), 100, tick_s);
+  moving.free->axes()[0] = *FreeAxis::make(free_limits_of(moving.rig.axes[0], 0.05), 100, tick_s);
   moving.typed[10] = "5";
   moving.typed[20] = right;
   moving.typed[100] = " ";
@@ -349,7 +347,7 @@ TEST(Jog, TheScreenComparesWithAnActualPositionTheSetpointThatItAnswers) {
 
 TEST(Jog, AKeyIsStoredWhereTheRigRestsAndNeverWhileItMoves) {
   Bench bench({100, 0}, true, true);
-  bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
+  bench.free->axes()[0] = *FreeAxis::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
   std::string words;
   bench.typed = {{10, "5"}, {20, right}, {100, "t"}, {900, "n"}, {910, "\r"}};
   bench.look = [&](int tick) {
@@ -363,7 +361,7 @@ TEST(Jog, AKeyIsStoredWhereTheRigRestsAndNeverWhileItMoves) {
 
 TEST(Jog, WithoutAMoveToTeachItsKeysStopLikeOthers) {
   Bench bench;
-  bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
+  bench.free->axes()[0] = *FreeAxis::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
   bench.typed = {{10, "5"}, {20, right}, {100, "t"}};
   bench.run(900);
   EXPECT_TRUE(bench.taught.empty());
@@ -372,7 +370,7 @@ TEST(Jog, WithoutAMoveToTeachItsKeysStopLikeOthers) {
 
 TEST(Jog, AnEmergencyStopIsTheEndAndNotTheOperators) {
   Bench bench;
-  bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.01), 100, tick_s);
+  bench.free->axes()[0] = *FreeAxis::make(free_limits_of(bench.rig.axes[0], 0.01), 100, tick_s);
   bench.typed[10] = "5";
   bench.typed[20] = right;
   bench.look = [](int tick) {
@@ -387,7 +385,7 @@ TEST(Jog, AnEmergencyStopIsTheEndAndNotTheOperators) {
 TEST(Jog, LeavingInAStepStopsIt) {
   for (const char* key : {"q", "\x1b"}) {
     Bench bench;
-    bench.free->axes()[0] = *FreeAxis<double>::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
+    bench.free->axes()[0] = *FreeAxis::make(free_limits_of(bench.rig.axes[0], 0.05), 100, tick_s);
     bench.typed[10] = "5";
     bench.typed[20] = right;
     bench.typed[100] = key;

@@ -258,7 +258,7 @@ TEST(KeyFrames, ATangentOfCatmullRomCountsTheFramesOnBothSides) {
       "[32], frame = 96 }]\n",
       "m.toml");
   const Plan plan(move, std::nullopt, {});
-  std::vector<AxisMotion<double>> motion(1);
+  std::vector<AxisMotion> motion(1);
   plan.tracks().front().track().motion({24, 0}, motion);
   EXPECT_NEAR(motion[0].velocity, (30 - 10) / 72.0 * 24, 1e-12);
   plan.tracks().front().track().motion({72, 0}, motion);

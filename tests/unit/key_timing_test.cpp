@@ -20,7 +20,7 @@
 namespace inbetween {
 namespace key_timing_test {
 
-using Storage = KeyTimingStorage<double, 4, 1025>;
+using Storage = KeyTimingStorage<4, 1025>;
 
 /// The wishes of a move along a line with keys at 0, 10, 30, 60, 100.
 struct Wishes {
@@ -30,17 +30,17 @@ struct Wishes {
   std::vector<double> distances = {0, 10, 30, 60, 100};
 };
 
-Result<KeyTiming<double>> adjust(const Wishes& wishes, Storage& storage) {
-  return adjust_to_locks<double>({.control_values = wishes.speed,
-                                  .key_distances = wishes.distances,
-                                  .locks = wishes.locks,
-                                  .frames = wishes.frames},
-                                 storage.memory());
+Result<KeyTiming> adjust(const Wishes& wishes, Storage& storage) {
+  return adjust_to_locks({.control_values = wishes.speed,
+                          .key_distances = wishes.distances,
+                          .locks = wishes.locks,
+                          .frames = wishes.frames},
+                         storage.memory());
 }
 
 std::vector<double> adjusted(const Wishes& wishes) {
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming<double>> result = adjust(wishes, *storage);
+  const Result<KeyTiming> result = adjust(wishes, *storage);
   if (!result) {
     ADD_FAILURE() << result.error().what;
     return wishes.speed;
@@ -50,7 +50,7 @@ std::vector<double> adjusted(const Wishes& wishes) {
 
 void expect_refused(const Wishes& wishes, ErrorCode code, std::int32_t key, std::int32_t frame) {
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming<double>> result = adjust(wishes, *storage);
+  const Result<KeyTiming> result = adjust(wishes, *storage);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, code) << result.error().what;
   EXPECT_EQ(result.error().key, key) << result.error().what;
@@ -66,7 +66,7 @@ double share(const std::vector<double>& values, std::int32_t frame, std::int32_t
   return static_cast<double>(profile.integral(a) / profile.integral(f));
 }
 
-SolvedTrack<double> solved(const Wishes& wishes) {
+SolvedTrack solved(const Wishes& wishes) {
   const std::vector<double> keys = {0, 10, 30, 60, 100};
   return {{.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys},
            .control_values = wishes.speed,
@@ -129,12 +129,12 @@ void expect_same_at_every_seam(const std::array<std::int32_t, 3>& frames, int ea
       locks.push_back({.key = k, .frame = frame, .ease = static_cast<int>(key) == eased});
     }
     const auto storage = std::make_unique<Storage>();
-    const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = speed,
-                                                                      .key_distances = distances,
-                                                                      .locks = locks,
-                                                                      .frames = 64,
-                                                                      .ends = CurveEnds::periodic},
-                                                                     storage->memory());
+    const Result<KeyTiming> result = adjust_to_locks({.control_values = speed,
+                                                      .key_distances = distances,
+                                                      .locks = locks,
+                                                      .frames = 64,
+                                                      .ends = CurveEnds::periodic},
+                                                     storage->memory());
     ASSERT_TRUE(result.has_value()) << seam << " " << result.error().what;
     const std::span<const double> values = result->control_values;
     ASSERT_EQ(values.size(), (8U << result->refinements) + 1);
@@ -165,12 +165,12 @@ TEST(PeriodicKeyTiming, TouchesZeroAndRestsAtItsSeam) {
     const std::vector<KeyLock> locks = {{.key = 0, .hold = holds ? 8 : 0, .ease = !holds}};
     const std::vector<double> distances = {0, 50, 100};
     const auto storage = std::make_unique<Storage>();
-    const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = drawn,
-                                                                      .key_distances = distances,
-                                                                      .locks = locks,
-                                                                      .frames = 64,
-                                                                      .ends = CurveEnds::periodic},
-                                                                     storage->memory());
+    const Result<KeyTiming> result = adjust_to_locks({.control_values = drawn,
+                                                      .key_distances = distances,
+                                                      .locks = locks,
+                                                      .frames = 64,
+                                                      .ends = CurveEnds::periodic},
+                                                     storage->memory());
     ASSERT_TRUE(result.has_value());
     const std::span<const double> values = result->control_values;
     const std::size_t f = values.size() - 1;
@@ -226,7 +226,7 @@ TEST(KeyTiming, ARefinedCurveIsTheDrawnOneOnTwiceAsManySpans) {
   // A hold of 8 frames in 240 wants spans of 2 frames: the drawn 8 are doubled until there are 120 or more.
   const Wishes wishes{.locks = {{.key = 2, .frame = 100, .hold = 8}}};
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming<double>> timing = adjust(wishes, *storage);
+  const Result<KeyTiming> timing = adjust(wishes, *storage);
   ASSERT_TRUE(timing.has_value());
   EXPECT_EQ(timing->refinements, 4);
   ASSERT_EQ(timing->control_values.size(), 8U * 16 + 1);
@@ -261,14 +261,14 @@ TEST(KeyTiming, AThousandLocksAreMetInMemoryThatGrowsAsTheyDo) {
   EXPECT_LE(lock_entry_count(1000), 24 * 1001U);
   const ManyLocks many(1000);
   const std::vector<double> speed(1101, 10);
-  const auto storage = std::make_unique<KeyTimingStorage<double, 1000, 4401>>();
+  const auto storage = std::make_unique<KeyTimingStorage<1000, 4401>>();
   for (const CurveEnds ends : {CurveEnds::natural, CurveEnds::periodic}) {
-    const auto timing = adjust_to_locks<double>({.control_values = speed,
-                                                 .key_distances = many.distances,
-                                                 .locks = many.locks,
-                                                 .frames = many.frames,
-                                                 .ends = ends},
-                                                storage->memory());
+    const auto timing = adjust_to_locks({.control_values = speed,
+                                         .key_distances = many.distances,
+                                         .locks = many.locks,
+                                         .frames = many.frames,
+                                         .ends = ends},
+                                        storage->memory());
     ASSERT_TRUE(timing.has_value()) << timing.error().what << " " << timing.error().key;
     if (ends == CurveEnds::periodic) continue;  // the oracle has natural ends
     const std::vector<double> values(timing->control_values.begin(), timing->control_values.end());
@@ -282,8 +282,8 @@ TEST(KeyTiming, AThousandLocksAreMetInMemoryThatGrowsAsTheyDo) {
 TEST(KeyTiming, MoreLocksThanTheCurveHasValuesForRefineIt) {
   const ManyLocks many(120);
   const std::vector<double> speed(5, 10);
-  const auto storage = std::make_unique<KeyTimingStorage<double, 120, 1025>>();
-  const auto timing = adjust_to_locks<double>(
+  const auto storage = std::make_unique<KeyTimingStorage<120, 1025>>();
+  const auto timing = adjust_to_locks(
       {.control_values = speed, .key_distances = many.distances, .locks = many.locks, .frames = many.frames},
       storage->memory());
   ASSERT_TRUE(timing.has_value()) << timing.error().what << " " << timing.error().key;
@@ -313,16 +313,16 @@ TEST(KeyTiming, OfThreeHundredLocksThatAreHardToMeetThereIsACurveOfEnoughValues)
     locks.push_back(
         {.key = key, .frame = std::max(after + 1, static_cast<std::int32_t>(evenly + between(-2, 2)))});
   }
-  const SolvedTrack<double> track({.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys},
-                                   .control_values = speed,
-                                   .frames = frames,
-                                   .fps = {24, 1},
-                                   .arc_length = {},
-                                   .locks = locks},
-                                  Solver::closed_form);
+  const SolvedTrack track({.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys},
+                           .control_values = speed,
+                           .frames = frames,
+                           .fps = {24, 1},
+                           .arc_length = {},
+                           .locks = locks},
+                          Solver::closed_form);
   EXPECT_GT(track.control_values().size(), 4097U);
   for (const KeyLock& lock : locks) {
-    const PathPoint<double> point = track.track().locate({lock.frame, 0});
+    const PathPoint point = track.track().locate({lock.frame, 0});
     EXPECT_NEAR(point.segment + point.t, lock.key, 1e-9) << lock.key;
   }
 }
@@ -355,13 +355,13 @@ TEST(KeyTiming, AHoldTooShortForTheMemoryNamesItsKey) {
 }
 
 TEST(KeyTiming, TooLittleMemorySaysHowMuchIsNeeded) {
-  const auto storage = std::make_unique<KeyTimingStorage<double, 1, 9>>();
+  const auto storage = std::make_unique<KeyTimingStorage<1, 9>>();
   const Wishes wishes{.locks = {{.key = 1, .frame = 60}, {.key = 2, .frame = 90}}};
-  const Result<KeyTiming<double>> result = adjust_to_locks<double>({.control_values = wishes.speed,
-                                                                    .key_distances = wishes.distances,
-                                                                    .locks = wishes.locks,
-                                                                    .frames = wishes.frames},
-                                                                   storage->memory());
+  const Result<KeyTiming> result = adjust_to_locks({.control_values = wishes.speed,
+                                                    .key_distances = wishes.distances,
+                                                    .locks = wishes.locks,
+                                                    .frames = wishes.frames},
+                                                   storage->memory());
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::capacity);
   EXPECT_GE(result.error().needed, 3);
@@ -371,23 +371,23 @@ TEST(KeyTiming, TooLittleMemorySaysHowMuchIsNeeded) {
 
 TEST(Hold, TheRigStandsStillToTheBitAndMovesBeforeAndAfter) {
   for (const std::int32_t hold : {2, 8, 24, 60}) {
-    const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = hold}}});
-    const PathPoint<double> at_key = track.track().locate({100, 0});
+    const SolvedTrack track = solved({.locks = {{.key = 2, .frame = 100, .hold = hold}}});
+    const PathPoint at_key = track.track().locate({100, 0});
     EXPECT_NEAR(at_key.segment + at_key.t, 2, 1e-12);
     for (std::int32_t quarter = 0; quarter <= 4 * hold; ++quarter) {
-      const FrameTime<double> time{100 + quarter / 4, (quarter % 4) / 4.0};
+      const FrameTime time{100 + quarter / 4, (quarter % 4) / 4.0};
       EXPECT_EQ(track.track().locate(time), at_key) << hold << " frames, " << quarter << " quarters";
       EXPECT_EQ(track.track().along(time).speed, 0);
     }
     EXPECT_LT(track.table().point(80).segment + track.table().point(80).t, 1.9999);
-    const PathPoint<double> later = track.table().point(120 + hold);
+    const PathPoint later = track.table().point(120 + hold);
     EXPECT_GT(later.segment + later.t, 2.0001);
   }
 }
 
 TEST(Hold, TheRestIsHardlyLongerThanAsked) {
   for (const std::int32_t hold : {2, 8, 24, 60}) {
-    const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = hold}}});
+    const SolvedTrack track = solved({.locks = {{.key = 2, .frame = 100, .hold = hold}}});
     const oracle::Profile played(track.control_values());
     const auto a = [&](double frame) {
       return static_cast<long double>(frame) * static_cast<long double>(played.spans()) / 240;
@@ -401,12 +401,12 @@ TEST(Hold, TheRestIsHardlyLongerThanAsked) {
 }
 
 TEST(Hold, TheAccelerationNeverSteps) {
-  const SolvedTrack<double> track = solved({.locks = {{.key = 2, .frame = 100, .hold = 24}}});
+  const SolvedTrack track = solved({.locks = {{.key = 2, .frame = 100, .hold = 24}}});
   double max_jerk = 0;
   double max_step = 0;
   double before = 0;
   for (std::int32_t step = 0; step < 240 * 64; ++step) {
-    const AlongPath<double> here = track.track().along({step / 64, (step % 64) / 64.0});
+    const AlongPath here = track.track().along({step / 64, (step % 64) / 64.0});
     max_jerk = std::max(max_jerk, std::fabs(here.jerk));
     max_step = std::max(max_step, std::fabs(here.acceleration - before));
     before = here.acceleration;
@@ -417,7 +417,7 @@ TEST(Hold, TheAccelerationNeverSteps) {
 TEST(Hold, WithoutAFrameTheKeyIsMetWhereTheDrawnCurveReachesItInTheFramesThatAreNoHolds) {
   const Wishes wishes{.locks = {{.key = 1, .hold = 20}, {.key = 3, .hold = 30}}};
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming<double>> timing = adjust(wishes, *storage);
+  const Result<KeyTiming> timing = adjust(wishes, *storage);
   ASSERT_TRUE(timing.has_value());
   ASSERT_EQ(timing->locks.size(), 4U);
   for (const auto& [index, held, part] : {std::tuple{1U, 0, 0.1}, {2U, 20, 0.6}}) {
@@ -435,12 +435,12 @@ TEST(Hold, ManyWithoutAFrameAreEachMetWhereTheDrawnCurveReachesThem) {
     wishes.distances.push_back(key);
     if (key < 21) wishes.locks.push_back({.key = key, .hold = held});
   }
-  const auto storage = std::make_unique<KeyTimingStorage<double, 20, 4097>>();
-  const auto timing = adjust_to_locks<double>({.control_values = wishes.speed,
-                                               .key_distances = wishes.distances,
-                                               .locks = wishes.locks,
-                                               .frames = wishes.frames},
-                                              storage->memory());
+  const auto storage = std::make_unique<KeyTimingStorage<20, 4097>>();
+  const auto timing = adjust_to_locks({.control_values = wishes.speed,
+                                       .key_distances = wishes.distances,
+                                       .locks = wishes.locks,
+                                       .frames = wishes.frames},
+                                      storage->memory());
   ASSERT_TRUE(timing.has_value()) << timing.error().what;
   for (std::int32_t i = 1; i <= 20; ++i) {
     const std::int32_t moving = timing->locks[static_cast<std::size_t>(i)].frame - (i - 1) * held;
@@ -450,11 +450,11 @@ TEST(Hold, ManyWithoutAFrameAreEachMetWhereTheDrawnCurveReachesThem) {
 }
 
 TEST(Hold, TheFirstAndTheLastKeyMayBeHeldToo) {
-  const SolvedTrack<double> track = solved({.locks = {{.key = 0, .hold = 24}, {.key = 4, .hold = 36}}});
+  const SolvedTrack track = solved({.locks = {{.key = 0, .hold = 24}, {.key = 4, .hold = 36}}});
   for (std::int32_t frame = 0; frame <= 24; ++frame)
-    EXPECT_EQ(track.table().point(frame), (PathPoint<double>{0, 0})) << frame;
+    EXPECT_EQ(track.table().point(frame), (PathPoint{0, 0})) << frame;
   for (std::int32_t frame = 204; frame < 240; ++frame) {
-    const PathPoint<double> point = track.table().point(frame);
+    const PathPoint point = track.table().point(frame);
     EXPECT_NEAR(point.segment + point.t, 4, 1e-12) << frame;
   }
 }
@@ -469,9 +469,9 @@ TEST(KeyTiming, AHoldWithoutAFrameArrivesBetweenTheLockedKeysBesideIt) {
   const std::vector<double> speed{10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10};
   const std::vector<KeyLock> locks{
       {.key = 1, .frame = 110, .hold = 10}, {.key = 2, .hold = 20}, {.key = 3, .frame = 200}};
-  const auto timing = adjust_to_locks<double>(
-      {.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
-      storage->memory());
+  const auto timing =
+      adjust_to_locks({.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
+                      storage->memory());
   ASSERT_TRUE(timing.has_value()) << timing.error().what;
   EXPECT_EQ(timing->locks[2].key, 2);
   EXPECT_EQ(timing->locks[2].frame, 150)
@@ -483,9 +483,9 @@ TEST(KeyTiming, BetweenTwoLocksOnEqualKeysNothingMoves) {
   const std::vector<double> distances{0, 40, 40, 100};
   const std::vector<double> speed{10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10};
   const std::vector<KeyLock> locks{{.key = 1, .frame = 80}, {.key = 2, .frame = 160}};
-  const auto timing = adjust_to_locks<double>(
-      {.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
-      storage->memory());
+  const auto timing =
+      adjust_to_locks({.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
+                      storage->memory());
   ASSERT_TRUE(timing.has_value()) << timing.error().what;
   EXPECT_EQ(timing->refinements, 0);
   for (std::size_t i = 3; i <= 9; ++i) EXPECT_EQ(timing->control_values[i], 0) << i;
@@ -498,7 +498,7 @@ TEST(KeyTiming, ALockOnAKeyThatIsNotThereIsRefused) {
   for (const std::int32_t key : {-1, 3, 1'000'000}) {
     for (const std::int32_t frame : {-1, 100}) {
       const std::vector<KeyLock> locks{{.key = key, .frame = frame, .hold = 10}};
-      const auto timing = adjust_to_locks<double>(
+      const auto timing = adjust_to_locks(
           {.control_values = speed, .key_distances = distances, .locks = locks, .frames = 240},
           storage->memory());
       ASSERT_FALSE(timing.has_value());

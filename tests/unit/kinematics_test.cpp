@@ -85,16 +85,16 @@ TEST(Kinematics, TheAxesMoveTheTipInTheirOwnUnits) {
   ASSERT_EQ(crane_of_rig.tips().size(), 1U);
   const Tip& tip = crane_of_rig.tips()[0];
   EXPECT_EQ(tip.name, "head");
-  std::vector<Pose<double>> poses(crane_of_rig.links().size());
+  std::vector<Pose> poses(crane_of_rig.links().size());
   ASSERT_TRUE(crane_of_rig.tree().poses(std::vector{5.0, 30.0, 1500.0}, poses));
-  const Pose<double>& head = poses[static_cast<std::size_t>(tip.link)];
+  const Pose& head = poses[static_cast<std::size_t>(tip.link)];
   EXPECT_NEAR(head.position.x, 1.5 + 2 * std::numbers::sqrt3 / 2, 1e-12);
   EXPECT_NEAR(head.position.y, 0, 1e-12);
   EXPECT_NEAR(head.position.z, 1 + 2 * 0.5, 1e-12);
   EXPECT_NEAR(head.rotation.x.x, 1, 1e-12) << "the head stays level";
-  std::vector<JacobianColumn<double>> jacobian(3);
+  std::vector<JacobianColumn> jacobian(3);
   crane_of_rig.tree().jacobian(tip.link, poses, jacobian);
-  EXPECT_EQ(jacobian[0].linear, Vector3<double>{}) << "the focus moves nothing";
+  EXPECT_EQ(jacobian[0].linear, Vector3{}) << "the focus moves nothing";
   EXPECT_NEAR(jacobian[2].linear.x, 1e-3, 1e-15) << "metres per millimetre";
 }
 
@@ -108,7 +108,7 @@ TEST(Kinematics, AMimicOfAMimicFollowsTheSameAxis) {
   </joint>
 </robot>)");
   const Kinematics lens = kinematics_of(urdf, with(rig, "tip = \"head\"", "tip = \"lens\""));
-  const Joint<double>& joint = lens.tree().joints().back();
+  const Joint& joint = lens.tree().joints().back();
   EXPECT_EQ(joint.coordinate, 1);
   EXPECT_NEAR(joint.factor, -0.5 * std::numbers::pi / 180, 1e-15);
   EXPECT_EQ(joint.offset, 0.125);

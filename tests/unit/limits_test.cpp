@@ -11,76 +11,64 @@
 namespace inbetween {
 namespace limits_test {
 
-template <class Real>
-class AxisLimitsIn : public testing::Test {};
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(AxisLimitsIn, Precisions, PrecisionName);
-
-template <Precise Real>
-AxisLimitsSpec<Real> slider() {
-  return {.min = 0, .max = 1500, .max_velocity = 400, .max_acceleration = 800, .max_jerk = Real{8000}};
+AxisLimitsSpec slider() {
+  return {.min = 0, .max = 1500, .max_velocity = 400, .max_acceleration = 800, .max_jerk = 8000.0};
 }
 
-TYPED_TEST(AxisLimitsIn, StopsMayUseHalfAsMuchAgainWhereTheRigDoesNotSay) {
-  const auto limits = AxisLimits<TypeParam>::make(slider<TypeParam>());
+TEST(AxisLimits, StopsMayUseHalfAsMuchAgainWhereTheRigDoesNotSay) {
+  const auto limits = AxisLimits::make(slider());
   ASSERT_TRUE(limits.has_value());
   EXPECT_EQ(limits->min(), 0);
   EXPECT_EQ(limits->max(), 1500);
   EXPECT_EQ(limits->max_velocity(), 400);
   EXPECT_EQ(limits->max_acceleration(), 800);
-  EXPECT_EQ(limits->max_jerk(), TypeParam{8000});
+  EXPECT_EQ(limits->max_jerk(), double{8000});
   EXPECT_EQ(limits->stop_acceleration(), 1200);
-  EXPECT_EQ(limits->stop_jerk(), TypeParam{12000});
+  EXPECT_EQ(limits->stop_jerk(), double{12000});
   EXPECT_EQ(limits->max_acceleration_step(), 0);
 }
 
-TYPED_TEST(AxisLimitsIn, WhatTheRigSaysOfStopsHolds) {
-  AxisLimitsSpec<TypeParam> spec = slider<TypeParam>();
-  spec.stop_acceleration = TypeParam{800};
-  spec.stop_jerk = TypeParam{9000};
-  spec.max_acceleration_step = TypeParam{50};
-  const auto limits = AxisLimits<TypeParam>::make(spec);
+TEST(AxisLimits, WhatTheRigSaysOfStopsHolds) {
+  AxisLimitsSpec spec = slider();
+  spec.stop_acceleration = double{800};
+  spec.stop_jerk = double{9000};
+  spec.max_acceleration_step = double{50};
+  const auto limits = AxisLimits::make(spec);
   ASSERT_TRUE(limits.has_value());
   EXPECT_EQ(limits->stop_acceleration(), 800);
-  EXPECT_EQ(limits->stop_jerk(), TypeParam{9000});
+  EXPECT_EQ(limits->stop_jerk(), double{9000});
   EXPECT_EQ(limits->max_acceleration_step(), 50);
 }
 
-TYPED_TEST(AxisLimitsIn, WithoutAJerkLimitThereIsNoneForStops) {
-  AxisLimitsSpec<TypeParam> spec = slider<TypeParam>();
+TEST(AxisLimits, WithoutAJerkLimitThereIsNoneForStops) {
+  AxisLimitsSpec spec = slider();
   spec.max_jerk.reset();
-  const auto limits = AxisLimits<TypeParam>::make(spec);
+  const auto limits = AxisLimits::make(spec);
   ASSERT_TRUE(limits.has_value());
   EXPECT_FALSE(limits->max_jerk().has_value());
   EXPECT_FALSE(limits->stop_jerk().has_value());
 }
 
-TYPED_TEST(AxisLimitsIn, AJerkLimitCanHoldForStopsAlone) {
-  AxisLimitsSpec<TypeParam> spec = slider<TypeParam>();
+TEST(AxisLimits, AJerkLimitCanHoldForStopsAlone) {
+  AxisLimitsSpec spec = slider();
   spec.max_jerk.reset();
-  spec.stop_jerk = TypeParam{100};
-  const auto limits = AxisLimits<TypeParam>::make(spec);
+  spec.stop_jerk = double{100};
+  const auto limits = AxisLimits::make(spec);
   ASSERT_TRUE(limits.has_value());
   EXPECT_FALSE(limits->max_jerk().has_value());
-  EXPECT_EQ(limits->stop_jerk(), TypeParam{100});
+  EXPECT_EQ(limits->stop_jerk(), double{100});
 }
 
-TYPED_TEST(AxisLimitsIn, IllegalValuesAreRefusedByName) {
-  using Spec = AxisLimitsSpec<TypeParam>;
+TEST(AxisLimits, IllegalValuesAreRefusedByName) {
+  using Spec = AxisLimitsSpec;
   struct Case {
     std::string named;
     ErrorCode code;
     std::function<void(Spec&)> spoil;
   };
-  const TypeParam nan = std::numeric_limits<TypeParam>::quiet_NaN();
-  const TypeParam infinity = std::numeric_limits<TypeParam>::infinity();
-  const TypeParam huge = std::numeric_limits<TypeParam>::max();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double huge = std::numeric_limits<double>::max();
   const std::vector<Case> cases = {
       {"range", ErrorCode::not_finite, [&](Spec& s) { s.min = nan; }},
       {"range", ErrorCode::not_finite, [&](Spec& s) { s.max = infinity; }},
@@ -93,25 +81,25 @@ TYPED_TEST(AxisLimitsIn, IllegalValuesAreRefusedByName) {
       {"max_velocity", ErrorCode::not_finite, [&](Spec& s) { s.max_velocity = infinity; }},
       {"max_acceleration", ErrorCode::out_of_range, [&](Spec& s) { s.max_acceleration = -1; }},
       {"max_acceleration", ErrorCode::not_finite, [&](Spec& s) { s.max_acceleration = nan; }},
-      {"max_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.max_jerk = TypeParam{0}; }},
+      {"max_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.max_jerk = double{0}; }},
       {"max_jerk", ErrorCode::not_finite, [&](Spec& s) { s.max_jerk = nan; }},
       {"max_acceleration_step", ErrorCode::out_of_range,
-       [&](Spec& s) { s.max_acceleration_step = TypeParam{0}; }},
+       [&](Spec& s) { s.max_acceleration_step = double{0}; }},
       {"stop_acceleration", ErrorCode::not_finite, [&](Spec& s) { s.stop_acceleration = nan; }},
       {"stop_acceleration is below", ErrorCode::out_of_range,
-       [&](Spec& s) { s.stop_acceleration = TypeParam{799}; }},
-      {"stop_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = TypeParam{-1}; }},
+       [&](Spec& s) { s.stop_acceleration = double{799}; }},
+      {"stop_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = double{-1}; }},
       {"stop_jerk is not a limit", ErrorCode::out_of_range,
        [&](Spec& s) {
          s.max_jerk.reset();
-         s.stop_jerk = TypeParam{0};
+         s.stop_jerk = double{0};
        }},
-      {"stop_jerk is below", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = TypeParam{7999}; }},
+      {"stop_jerk is below", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = double{7999}; }},
   };
   for (const Case& one : cases) {
-    Spec spec = slider<TypeParam>();
+    Spec spec = slider();
     one.spoil(spec);
-    const auto limits = AxisLimits<TypeParam>::make(spec);
+    const auto limits = AxisLimits::make(spec);
     ASSERT_FALSE(limits.has_value()) << one.named;
     EXPECT_EQ(limits.error().code, one.code) << limits.error().what;
     EXPECT_NE(std::string(limits.error().what).find(one.named), std::string::npos) << limits.error().what;

@@ -44,7 +44,7 @@ RigFile mixed_rig() {
 }
 
 /// There and back in two seconds, at rest at both ends.
-Setpoint<double> swing(double s) {
+Setpoint swing(double s) {
   constexpr double way = 10;
   constexpr double omega = 3.14159265358979323846;
   return {.position = way * (1 - std::cos(omega * s)), .velocity = way * omega * std::sin(omega * s)};
@@ -55,10 +55,10 @@ std::array<double, axes> lags_of_a_swing() {
   const RigFile rig = mixed_rig();
   SimulatedHardware hardware(rig, std::vector<double>(axes, 0));
   RigDrives drives(rig, hardware);
-  std::vector<DriveState<double>> states(axes);
+  std::vector<DriveState> states(axes);
   drives.enable();
   std::int64_t now_ns = 0;
-  const auto is_on = [](const DriveState<double>& state) { return state.is_on; };
+  const auto is_on = [](const DriveState& state) { return state.is_on; };
   for (int tick = 0; tick < 3000 && !std::ranges::all_of(states, is_on); ++tick) {
     drives.read(states, now_ns += tick_ns);
     drives.write({}, now_ns);
@@ -67,13 +67,13 @@ std::array<double, axes> lags_of_a_swing() {
   std::array<double, axes> behind{}, squares{};
   for (int tick = 0; tick < 500; ++tick) {
     drives.read(states, now_ns += tick_ns);
-    const Setpoint<double> planned = swing(tick * tick_s);
+    const Setpoint planned = swing(tick * tick_s);
     for (std::size_t a = 0; a < axes; ++a) {
       behind[a] += planned.velocity * (planned.position - hardware.true_position(a));
       squares[a] += planned.velocity * planned.velocity;
       EXPECT_EQ(states[a].condition, DriveCondition::fine) << drives.trouble();
     }
-    const std::vector<Setpoint<double>> next(axes, swing((tick + 1) * tick_s));
+    const std::vector<Setpoint> next(axes, swing((tick + 1) * tick_s));
     drives.write(next, now_ns);
   }
   for (std::size_t a = 0; a < axes; ++a) behind[a] /= squares[a];

@@ -56,12 +56,12 @@ constexpr double tick_s = 1.0 / 250;
 struct Crane {
   Plan plan{parse_move(glide, "move.toml"), parse_rig(crane_rig, "rig.toml"), {}};
   PlannedStops stops{plan};
-  Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
+  Playhead playhead{plan.played(), *stops.bounds(), 250};
   std::vector<std::size_t> drive_of{2, 0};
   SimulatedRig rig;
   SimulatedLines lines;
   LoopStorage room{3, 2};
-  MotionLoop<double, SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
+  MotionLoop<SimulatedRig, SimulatedLines> loop{rig, lines, room.memory()};
 
   explicit Crane(const std::vector<double>& at = {100, 0.25, 10}) : rig(at) {
     EXPECT_TRUE(loop.load({&plan.motion(), &playhead, drive_of, plan.limits(), tick_s}));
@@ -81,7 +81,7 @@ struct Crane {
       loop.tick(1, 0);
     }
   }
-  [[nodiscard]] std::vector<Setpoint<double>> moving() const {
+  [[nodiscard]] std::vector<Setpoint> moving() const {
     return {loop.setpoints().begin(), loop.setpoints().end()};
   }
   [[nodiscard]] std::vector<double> at() const { return room.targets(); }
@@ -99,7 +99,7 @@ TEST(MotionLoop, RunsAMoveFromArmingToItsLastFrame) {
   for (std::int64_t tick = 1; tick <= last; ++tick) {
     EXPECT_EQ(crane.loop.state(), SupervisorState::running);
     crane.loop.tick(1, 0);
-    crane.plan.motion().positions(frame_time_of_tick<double>(tick, {24, 1}, 250), expected);
+    crane.plan.motion().positions(frame_time_of_tick(tick, {24, 1}, 250), expected);
     ASSERT_THAT(crane.at(), ElementsAre(expected[1], 0.25, expected[0])) << tick;
   }
   EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
@@ -225,7 +225,7 @@ TEST(MotionLoop, AfterLostPowerNoSpeedIsLeftOver) {
   crane.tick(3);
   // The drives have come to rest a tick behind the last setpoint: somebody has to take them there slowly.
   EXPECT_FALSE(crane.loop.post(SupervisorEvent::start));
-  crane.playhead = Playhead<double>(crane.plan.played(), *crane.stops.bounds(), 250);
+  crane.playhead = Playhead(crane.plan.played(), *crane.stops.bounds(), 250);
   crane.rig.move_by_hand(0, 100);
   crane.rig.move_by_hand(2, 10);
   ASSERT_TRUE(crane.loop.post(SupervisorEvent::disarm));
@@ -267,7 +267,7 @@ TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
   EXPECT_FALSE(crane.loop.tick(3, 0).lost_time) << "it is slow here";
   EXPECT_EQ(crane.loop.state(), SupervisorState::running);
   std::vector<double> expected(2);
-  crane.plan.motion().positions(frame_time_of_tick<double>(33, {24, 1}, 250), expected);
+  crane.plan.motion().positions(frame_time_of_tick(33, {24, 1}, 250), expected);
   EXPECT_EQ(crane.at()[0], expected[1]);
 }
 
@@ -298,14 +298,14 @@ TEST(MotionLoop, ItsSetpointsTellHowTheAxesMove) {
   constexpr double jerk = 1.5 * 40'000;
   double fastest = 0;
   for (int tick = 0; tick < 400; ++tick) {
-    const std::vector<Setpoint<double>> before = crane.moving();
+    const std::vector<Setpoint> before = crane.moving();
     const bool stops = tick == 250 && crane.loop.post(SupervisorEvent::stop);
     ASSERT_EQ(stops, tick == 250);
     crane.tick(1);
-    const std::vector<Setpoint<double>> after = crane.moving();
+    const std::vector<Setpoint> after = crane.moving();
     for (std::size_t i = 0; i < 3; ++i) {
-      const Setpoint<double>& from = before[i];
-      const Setpoint<double>& to = after[i];
+      const Setpoint& from = before[i];
+      const Setpoint& to = after[i];
       ASSERT_NEAR((to.position - from.position) / tick_s, (from.velocity + to.velocity) / 2,
                   jerk * tick_s * tick_s / 12)
           << tick;
@@ -333,18 +333,18 @@ struct GearedCrane {
   }
   Plan plan{parse_move(glide, "move.toml"), geared(), {}};
   PlannedStops stops{plan};
-  Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
+  Playhead playhead{plan.played(), *stops.bounds(), 250};
   std::vector<std::size_t> drive_of{2, 0};
-  const Calibration<double>& curve = plan.rig()->axes[0].calibration->motor();
+  const Calibration& curve = plan.rig()->axes[0].calibration->motor();
   SimulatedRig rig{std::vector<double>{curve.motor_at(100), 0.25, 10}};
   SimulatedLines lines;
   LoopStorage room{3, 2};
-  std::array<AxisGear<double>, 3> gears{{{.calibration = &curve}, {}, {}}};
-  std::array<AxisMotor<double>, 3> motors{{{.axis = 0}, {.axis = 1}, {.axis = 2}}};
-  std::array<DriveState<double>, 3> states;
-  std::array<Setpoint<double>, 3> told;
-  MotorPort<double, SimulatedRig> port{rig, {gears, motors, states, told}};
-  MotionLoop<double, MotorPort<double, SimulatedRig>, SimulatedLines> loop{port, lines, room.memory()};
+  std::array<AxisGear, 3> gears{{{.calibration = &curve}, {}, {}}};
+  std::array<AxisMotor, 3> motors{{{.axis = 0}, {.axis = 1}, {.axis = 2}}};
+  std::array<DriveState, 3> states;
+  std::array<Setpoint, 3> told;
+  MotorPort<SimulatedRig> port{rig, {gears, motors, states, told}};
+  MotionLoop<MotorPort<SimulatedRig>, SimulatedLines> loop{port, lines, room.memory()};
 };
 
 TEST(MotionLoop, AMotorBehindACalibrationIsToldWhatWasFittedToItAlsoWhileTheRigSlowsDown) {
@@ -364,7 +364,7 @@ TEST(MotionLoop, AMotorBehindACalibrationIsToldWhatWasFittedToItAlsoWhileTheRigS
     }
     crane.loop.tick(1, 0);
     const double rate = crane.playhead.rate();
-    const AxisMotion<double> fitted = crane.plan.motion().motion_of(motor, crane.playhead.time());
+    const AxisMotion fitted = crane.plan.motion().motion_of(motor, crane.playhead.time());
     ASSERT_EQ(crane.told[0].position, fitted.position) << i;
     ASSERT_EQ(crane.told[0].velocity, fitted.velocity * rate) << i;
     ASSERT_EQ(crane.told[0].acceleration,
@@ -407,15 +407,13 @@ struct FreeCrane : Crane {
   FreeAxes axes;
 
   explicit FreeCrane(const std::vector<double>& from = {10, 100}) : axes(axes_at(from)) {
-    EXPECT_TRUE(loop.load(FreeSpec<double>{.source = source_of<double>(axes),
-                                           .drive_of = drive_of,
-                                           .limits = plan.limits(),
-                                           .tick_seconds = tick_s}));
+    EXPECT_TRUE(loop.load(FreeSpec{
+        .source = source_of(axes), .drive_of = drive_of, .limits = plan.limits(), .tick_seconds = tick_s}));
   }
-  static std::vector<FreeAxis<double>> axes_at(const std::vector<double>& from) {
+  static std::vector<FreeAxis> axes_at(const std::vector<double>& from) {
     const RigFile rig = parse_rig(crane_rig, "rig.toml");
-    return {*FreeAxis<double>::make(free_limits_of(rig.axes[2], 0.5), from[0], tick_s),
-            *FreeAxis<double>::make(free_limits_of(rig.axes[0], 0.5), from[1], tick_s)};
+    return {*FreeAxis::make(free_limits_of(rig.axes[2], 0.5), from[0], tick_s),
+            *FreeAxis::make(free_limits_of(rig.axes[0], 0.5), from[1], tick_s)};
   }
   void begin() {
     arm();
@@ -428,7 +426,7 @@ struct FreeCrane : Crane {
 TEST(MotionLoop, PlaysWhatIsNotOnATimeLineUntilItRests) {
   FreeCrane crane;
   crane.begin();
-  FreeAxis<double> pan = FreeCrane::axes_at({10, 100})[0];
+  FreeAxis pan = FreeCrane::axes_at({10, 100})[0];
   ASSERT_TRUE(pan.go_to(40));
   crane.tick(1);
   EXPECT_FALSE(crane.loop.finish()) << "it moves";
@@ -454,10 +452,10 @@ TEST(MotionLoop, WithoutAMoveThereIsNoneToStart) {
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().what, HasSubstr("no move"));
   ASSERT_TRUE(crane.loop.begin());
-  EXPECT_FALSE(crane.loop.load(FreeSpec<double>{.source = source_of<double>(crane.axes),
-                                                .drive_of = crane.drive_of,
-                                                .limits = crane.plan.limits(),
-                                                .tick_seconds = tick_s}))
+  EXPECT_FALSE(crane.loop.load(FreeSpec{.source = source_of(crane.axes),
+                                        .drive_of = crane.drive_of,
+                                        .limits = crane.plan.limits(),
+                                        .tick_seconds = tick_s}))
       << "it runs";
 }
 

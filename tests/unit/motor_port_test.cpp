@@ -12,10 +12,10 @@ namespace motor_port_test {
 
 /// Motors that are where they were told to be.
 struct ToldMotors {
-  void read(std::span<DriveState<double>> out, std::int64_t /*now_ns*/) {
+  void read(std::span<DriveState> out, std::int64_t /*now_ns*/) {
     std::copy(states.begin(), states.end(), out.begin());
   }
-  void write(std::span<const Setpoint<double>> setpoints, std::int64_t /*now_ns*/) {
+  void write(std::span<const Setpoint> setpoints, std::int64_t /*now_ns*/) {
     has_setpoints = !setpoints.empty();
     for (std::size_t i = 0; i < setpoints.size(); ++i) {
       told[i] = setpoints[i];
@@ -27,26 +27,26 @@ struct ToldMotors {
   void quick_stop() {}
   void stop_one(std::size_t motor, OwnStop how) { states[motor].own_stop = how; }
 
-  std::vector<DriveState<double>> states;
-  std::vector<Setpoint<double>> told = std::vector<Setpoint<double>>(states.size());
+  std::vector<DriveState> states;
+  std::vector<Setpoint> told = std::vector<Setpoint>(states.size());
   bool has_setpoints = false;
 };
 
 /// A gantry with two motors, and a lift with one.
 struct Gantry {
-  std::array<AxisGear<double>, 2> gears{{{.max_skew = 0.5}, {}}};
-  std::array<AxisMotor<double>, 3> of{{{.axis = 0, .offset = 2}, {.axis = 1}, {.axis = 0, .offset = -3}}};
+  std::array<AxisGear, 2> gears{{{.max_skew = 0.5}, {}}};
+  std::array<AxisMotor, 3> of{{{.axis = 0, .offset = 2}, {.axis = 1}, {.axis = 0, .offset = -3}}};
   ToldMotors motors{.states = {{.actual = 12, .is_on = true},
                                {.actual = 40, .is_on = true},
                                {.actual = 7.1, .is_on = true}}};
-  std::array<DriveState<double>, 3> states;
-  std::array<Setpoint<double>, 3> setpoints;
-  MotorPort<double, ToldMotors> port{motors, {gears, of, states, setpoints}};
-  std::array<DriveState<double>, 2> axes;
+  std::array<DriveState, 3> states;
+  std::array<Setpoint, 3> setpoints;
+  MotorPort<ToldMotors> port{motors, {gears, of, states, setpoints}};
+  std::array<DriveState, 2> axes;
 
   void read() { port.read(axes, 0); }
   void write(double gantry, double lift) {
-    const std::array<Setpoint<double>, 2> next{{{.position = gantry, .velocity = 5}, {.position = lift}}};
+    const std::array<Setpoint, 2> next{{{.position = gantry, .velocity = 5}, {.position = lift}}};
     port.write(next, 0);
   }
 };
@@ -127,25 +127,25 @@ TEST(MotorPort, MotorsThatAreTooFarApartCannotFollow) {
 }
 
 TEST(MotorPort, AMotorFollowsThroughItsCalibrationByTheChainRule) {
-  std::array<CalibrationPiece<double>, 4> pieces;
-  const std::array<CalibrationMark<double>, 3> marks{{{0, 0}, {1, 90}, {3, 150}}};
-  const auto curve = Calibration<double>::make(marks, pieces);
+  std::array<CalibrationPiece, 4> pieces;
+  const std::array<CalibrationMark, 3> marks{{{0, 0}, {1, 90}, {3, 150}}};
+  const auto curve = Calibration::make(marks, pieces);
   ASSERT_TRUE(curve);
-  std::array<AxisGear<double>, 1> gears{{{.calibration = &*curve}}};
-  std::array<AxisMotor<double>, 1> of{{{.axis = 0, .offset = 10}}};
+  std::array<AxisGear, 1> gears{{{.calibration = &*curve}}};
+  std::array<AxisMotor, 1> of{{{.axis = 0, .offset = 10}}};
   ToldMotors motors{.states = {{.actual = 100, .is_on = true}}};
-  std::array<DriveState<double>, 1> states, axes;
-  std::array<Setpoint<double>, 1> setpoints;
-  MotorPort<double, ToldMotors> port(motors, {gears, of, states, setpoints});
+  std::array<DriveState, 1> states, axes;
+  std::array<Setpoint, 1> setpoints;
+  MotorPort<ToldMotors> port(motors, {gears, of, states, setpoints});
   port.read(axes, 0);
   EXPECT_NEAR(axes[0].actual, 1, 1e-12) << "at the mark of 90";
   constexpr double h = 1e-4;
   const auto told = [&](double position) {
-    const std::array<Setpoint<double>, 1> next{{{.position = position, .velocity = 2, .acceleration = -3}}};
+    const std::array<Setpoint, 1> next{{{.position = position, .velocity = 2, .acceleration = -3}}};
     port.write(next, 0);
     return motors.told[0];
   };
-  const Setpoint<double> before = told(1.5 - h), here = told(1.5), after = told(1.5 + h);
+  const Setpoint before = told(1.5 - h), here = told(1.5), after = told(1.5 + h);
   const double slope = (after.position - before.position) / (2 * h);
   const double bend = (after.position - 2 * here.position + before.position) / (h * h);
   EXPECT_NEAR(here.velocity, slope * 2, 1e-4);
@@ -153,40 +153,40 @@ TEST(MotorPort, AMotorFollowsThroughItsCalibrationByTheChainRule) {
 }
 
 TEST(MotorPort, WhatIsPlannedOfAMotorHoldsWhileItsAxisIsToldTheSame) {
-  std::array<CalibrationPiece<double>, 3> pieces;
-  const std::array<CalibrationMark<double>, 2> marks{{{0, 0}, {1, 90}}};
-  const auto curve = Calibration<double>::make(marks, pieces);
+  std::array<CalibrationPiece, 3> pieces;
+  const std::array<CalibrationMark, 2> marks{{{0, 0}, {1, 90}}};
+  const auto curve = Calibration::make(marks, pieces);
   ASSERT_TRUE(curve);
-  std::array<AxisGear<double>, 1> gears{{{.calibration = &*curve}}};
-  std::array<AxisMotor<double>, 1> of{{{.axis = 0, .offset = 10}}};
+  std::array<AxisGear, 1> gears{{{.calibration = &*curve}}};
+  std::array<AxisMotor, 1> of{{{.axis = 0, .offset = 10}}};
   ToldMotors motors{.states = {{.actual = 10, .is_on = true}}};
-  std::array<DriveState<double>, 1> states, axes;
-  std::array<Setpoint<double>, 1> setpoints;
-  MotorPort<double, ToldMotors> port(motors, {gears, of, states, setpoints});
+  std::array<DriveState, 1> states, axes;
+  std::array<Setpoint, 1> setpoints;
+  MotorPort<ToldMotors> port(motors, {gears, of, states, setpoints});
   port.read(axes, 0);
-  const auto tell = [&](const Setpoint<double>& axis) {
+  const auto tell = [&](const Setpoint& axis) {
     port.write(std::span(&axis, 1), 0);
     return motors.told[0];
   };
-  const Setpoint<double> axis{0.5, 1, 2};
+  const Setpoint axis{0.5, 1, 2};
   port.plan_motor(0, axis, {45.001, 90.5, 181});
   for (int tick = 0; tick < 3; ++tick) {
-    EXPECT_EQ(tell(axis), (Setpoint<double>{55.001, 90.5, 181})) << "with its offset, as long as it holds";
+    EXPECT_EQ(tell(axis), (Setpoint{55.001, 90.5, 181})) << "with its offset, as long as it holds";
   }
-  EXPECT_EQ(tell({0.5, 0, 0}), (Setpoint<double>{55, 0, 0})) << "another motion through the same place";
-  EXPECT_EQ(tell(axis), (Setpoint<double>{55.001, 90.5, 181}));
+  EXPECT_EQ(tell({0.5, 0, 0}), (Setpoint{55, 0, 0})) << "another motion through the same place";
+  EXPECT_EQ(tell(axis), (Setpoint{55.001, 90.5, 181}));
 }
 
 TEST(MotorPort, ThePlayIsCrossedWhenTheAxisTurnsAndNotWhenSetpointsCease) {
-  std::array<AxisGear<double>, 1> gears{{{.take_up = TakeUp<double>({.way = -0.5, .ticks = 10}, 0.004)}}};
-  std::array<AxisMotor<double>, 1> of{{{.axis = 0}}};
+  std::array<AxisGear, 1> gears{{{.take_up = TakeUp({.way = -0.5, .ticks = 10}, 0.004)}}};
+  std::array<AxisMotor, 1> of{{{.axis = 0}}};
   ToldMotors motors{.states = {{.actual = 5, .is_on = true}}};
-  std::array<DriveState<double>, 1> states, axes;
-  std::array<Setpoint<double>, 1> setpoints;
-  MotorPort<double, ToldMotors> port(motors, {gears, of, states, setpoints});
+  std::array<DriveState, 1> states, axes;
+  std::array<Setpoint, 1> setpoints;
+  MotorPort<ToldMotors> port(motors, {gears, of, states, setpoints});
   const auto go = [&](double position) {
     port.read(axes, 0);
-    const std::array<Setpoint<double>, 1> next{{{.position = position}}};
+    const std::array<Setpoint, 1> next{{{.position = position}}};
     port.write(next, 0);
   };
   go(5);

@@ -14,23 +14,23 @@ namespace inbetween {
 namespace motor_trajectory_test {
 
 /// One axis through some keys, in two seconds.
-SolvedTrack<double> track_of(const std::vector<double>& keys, const std::vector<double>& speed) {
-  TrackSpec<double> spec;
+SolvedTrack track_of(const std::vector<double>& keys, const std::vector<double>& speed) {
+  TrackSpec spec;
   spec.path = {.spline = Spline::smooth, .closed = false, .axis_count = 1, .keys = keys};
   spec.control_values = speed;
   spec.frames = 48;
   spec.fps = {24, 1};
-  return SolvedTrack<double>(spec, Solver::closed_form);
+  return SolvedTrack(spec, Solver::closed_form);
 }
 
 struct Lens {
-  std::array<CalibrationMark<double>, 4> marks{{{0.5, 0}, {1, 100}, {2, 160}, {5, 210}}};
-  std::array<CalibrationPiece<double>, 5> pieces;
-  Calibration<double> curve = *Calibration<double>::make(marks, pieces);
+  std::array<CalibrationMark, 4> marks{{{0.5, 0}, {1, 100}, {2, 160}, {5, 210}}};
+  std::array<CalibrationPiece, 5> pieces;
+  Calibration curve = *Calibration::make(marks, pieces);
 };
 
 struct Pull : Lens {
-  SolvedTrack<double> track;
+  SolvedTrack track;
   FittedTrajectory axis{track.track()};
   FittedMotor motor;
 
@@ -73,10 +73,10 @@ TEST(MotorTrajectory, AnAxisThatTurnsBetweenTwoMarksPassesOneTwiceAndAFallingCur
     passed += std::fabs(pull.axis->motion_of(0, {whole, frame - whole}).position - 1) < 1e-12 ? 1 : 0;
   }
   EXPECT_EQ(passed, 2);
-  std::array<CalibrationMark<double>, 4> marks = pull.marks;
-  for (CalibrationMark<double>& mark : marks) mark.motor *= -1;
-  std::array<CalibrationPiece<double>, 5> pieces;
-  const auto falling = Calibration<double>::make(marks, pieces);
+  std::array<CalibrationMark, 4> marks = pull.marks;
+  for (CalibrationMark& mark : marks) mark.motor *= -1;
+  std::array<CalibrationPiece, 5> pieces;
+  const auto falling = Calibration::make(marks, pieces);
   ASSERT_TRUE(falling);
   const FittedMotor mirrored(MotorSource{&*pull.axis, 0, &*falling, pull.axis.travel(0)});
   ASSERT_EQ((*mirrored).pieces().size(), (*pull.motor).pieces().size());
@@ -99,20 +99,19 @@ TEST(MotorTrajectory, AtRestItIsWhereTheCalibrationSaysToTheLastBit) {
 
 TEST(MotorTrajectory, OnARollItJoinsTheMove) {
   const Pull pull({0.6, 4}, {10, 10, 10, 0, 0});
-  const AxisMotion<double> joint = pull.axis->motion_of(0, {0, 0});
+  const AxisMotion joint = pull.axis->motion_of(0, {0, 0});
   ASSERT_GT(joint.velocity, 0.1);
-  const auto roll =
-      RollAxis<double>::make({RollEnd::before, 0, 12, {24, 1}}, {.position = joint.position,
-                                                                 .velocity = joint.velocity,
-                                                                 .acceleration = joint.acceleration,
-                                                                 .jerk = 0});
+  const auto roll = RollAxis::make({RollEnd::before, 0, 12, {24, 1}}, {.position = joint.position,
+                                                                       .velocity = joint.velocity,
+                                                                       .acceleration = joint.acceleration,
+                                                                       .jerk = 0});
   ASSERT_TRUE(roll);
   const FittedMotor rolled(*roll, pull.curve);
-  const AxisMotion<double> end = (*rolled).motion_of(0, {0, 0}), begin = (*pull.motor).motion_of(0, {0, 0});
+  const AxisMotion end = (*rolled).motion_of(0, {0, 0}), begin = (*pull.motor).motion_of(0, {0, 0});
   EXPECT_EQ(end.position, begin.position);
   EXPECT_NEAR(end.velocity, begin.velocity, 1e-12 * std::fabs(begin.velocity));
   EXPECT_NEAR(end.acceleration, begin.acceleration, 1e-12 * std::fabs(begin.acceleration));
-  const AxisMotion<double> rest = (*rolled).motion_of(0, {-12, 0});
+  const AxisMotion rest = (*rolled).motion_of(0, {-12, 0});
   EXPECT_EQ(rest.position, pull.curve.motor_at(roll->rest_position()));
   EXPECT_EQ(rest.velocity, 0);
 }

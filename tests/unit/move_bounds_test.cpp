@@ -19,16 +19,14 @@
 namespace inbetween {
 namespace move_bounds_test {
 
-SolvedTrack<double> solved(const PathSpec<double>& path, const std::vector<double>& speed,
-                           std::int32_t frames, const std::vector<KeyLock>& locks = {}) {
-  TrackSpec<double> spec{
-      .path = path, .control_values = speed, .frames = frames, .fps = {24, 1}, .arc_length = {}};
+SolvedTrack solved(const PathSpec& path, const std::vector<double>& speed, std::int32_t frames,
+                   const std::vector<KeyLock>& locks = {}) {
+  TrackSpec spec{.path = path, .control_values = speed, .frames = frames, .fps = {24, 1}, .arc_length = {}};
   spec.locks = locks;
-  return SolvedTrack<double>(spec, Solver::closed_form);
+  return SolvedTrack(spec, Solver::closed_form);
 }
 
-std::vector<AxisPeaks<double>> peaks_of(const Track<double>& track,
-                                        const std::optional<WholeFrames>& part = std::nullopt) {
+std::vector<AxisPeaks> peaks_of(const Track& track, const std::optional<WholeFrames>& part = std::nullopt) {
   return bounds_of_track(track, part).peaks();
 }
 
@@ -42,7 +40,7 @@ TEST(MoveBounds, AStraightLineWithAStraightSpeedCurveIsKnownByHand) {
   // 100 mm in 48 frames, from v to 3 v: v = 25 mm/s, acceleration 2 v in 2 s.
   const std::vector<double> keys{0, 100};
   const auto move = solved({.axis_count = 1, .keys = keys}, {10, 30}, 48);
-  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
+  const AxisPeaks peaks = peaks_of(move.track())[0];
   EXPECT_EQ(peaks.lowest.value, 0);
   EXPECT_EQ(peaks.highest.value, 100);
   EXPECT_EQ(peaks.highest.frame, 48);
@@ -56,7 +54,7 @@ TEST(MoveBounds, APartIsBoundedByItselfAlone) {
   // The speed rises from 25 to 75 mm/s in 48 frames: from 12 to 36 it goes from 37.5 to 62.5.
   const std::vector<double> keys{0, 100};
   const auto move = solved({.axis_count = 1, .keys = keys}, {10, 30}, 48);
-  const AxisPeaks<double> peaks = peaks_of(move.track(), WholeFrames{12, 36})[0];
+  const AxisPeaks peaks = peaks_of(move.track(), WholeFrames{12, 36})[0];
   expect_bound(peaks.velocity.value, 62.5);
   EXPECT_EQ(peaks.velocity.frame, 36);
   expect_bound(peaks.acceleration.value, 25);
@@ -70,7 +68,7 @@ TEST(MoveBounds, TheCellsOfAPartKnowNothingOfTheRest) {
   const std::vector<double> keys{0, 100};
   const auto move = solved({.axis_count = 1, .keys = keys}, {10, 30}, 48);
   const std::array tracks{move.track()};
-  const auto part = Move<double>::make(tracks, {}, WholeFrames{12, 36});
+  const auto part = Move::make(tracks, {}, WholeFrames{12, 36});
   ASSERT_TRUE(part);
   constexpr std::size_t cells = 8;
   const BoundedMove bounded(*part, tracks, {.limits = {}, .motors = {}, .cells = cells, .room = {}});
@@ -93,7 +91,7 @@ TEST(MoveBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
   for (int i = 0; i <= samples * static_cast<int>(cells); ++i) {
     const double frame = 96.0 * i / (samples * cells);
     const auto whole = static_cast<std::int32_t>(frame);
-    std::array<AxisMotion<double>, 2> motion;
+    std::array<AxisMotion, 2> motion;
     static_cast<void>(move.track().motion({whole, frame - whole}, motion));
     // Samples on a border belong to neither of its cells.
     if (i % samples == 0) continue;
@@ -106,7 +104,7 @@ TEST(MoveBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
       }
     }
   }
-  const BoundedMove bounded(Move<double>::make(tracks, {}).value(), tracks,
+  const BoundedMove bounded(Move::make(tracks, {}).value(), tracks,
                             {.limits = {}, .motors = {}, .cells = cells, .room = {}});
   const std::span<const MotionTriple> suprema = bounded.cells().suprema;
   // The samples miss next to nothing of a peak, and a border is off by as little.
@@ -147,7 +145,7 @@ TEST(MoveBounds, AKeyOnTheFirstOrLastFrameOfAPartHasOneSide) {
 TEST(MoveBounds, AnAxisThatTurnsInsideASegmentIsBoundedBeyondItsKeys) {
   const std::vector<double> keys{0, 0, 10, 50, 20, 50, 30, 0};
   const auto move = solved({.axis_count = 2, .keys = keys}, {10, 10}, 48);
-  const AxisPeaks<double> peaks = peaks_of(move.track())[1];
+  const AxisPeaks peaks = peaks_of(move.track())[1];
   double sampled = 0;
   for (int i = 0; i <= 1000; ++i)
     sampled = std::max(sampled, move.track().path().segment(1)[1].value(i / 1000.0));
@@ -162,8 +160,8 @@ TEST(MoveBounds, ASpikeBetweenTwoFramesIsFoundWhereASamplerOf24ASecondMissesIt) 
   const std::vector<double> keys{0, 0, 400, 0, 400, 1, 0, 2};
   const double limit = 1000;
   const auto move = solved({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 0, 0}, 101);
-  const std::vector<AxisPeaks<double>> peaks = peaks_of(move.track());
-  std::vector<AxisMotion<double>> motion(2);
+  const std::vector<AxisPeaks> peaks = peaks_of(move.track());
+  std::vector<AxisMotion> motion(2);
   double on_frames = 0;
   double dense = 0;
   for (std::int32_t frame = 0; frame < 100; ++frame) {
@@ -182,7 +180,7 @@ TEST(MoveBounds, ALineThatTurnsBackInsideASegmentAtASpeedStepsThere) {
   const std::vector<double> keys{0, 10, 9, 0};
   const auto move = solved({.axis_count = 1, .keys = keys}, {10, 10}, 48);
   const BoundedMove bounded = bounds_of_track(move.track());
-  const AxisPeaks<double>& peaks = bounded.peaks()[0];
+  const AxisPeaks& peaks = bounded.peaks()[0];
   const double speed = move.track().arc_length().total() / 2;
   ASSERT_GT(peaks.highest.value, 10);
   expect_bound(peaks.velocity.value, speed);
@@ -196,7 +194,7 @@ TEST(MoveBounds, ALineThatTurnsBackAtRestIsBounded) {
   // The same way, and phi is 0 where the line turns.
   const std::vector<double> keys{0, 10, 0};
   const auto move = solved({.axis_count = 1, .keys = keys}, {0, 0, 10, 0, 0, 0, 10, 0, 0}, 96);
-  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
+  const AxisPeaks peaks = peaks_of(move.track())[0];
   EXPECT_TRUE(std::isfinite(peaks.acceleration.value));
   EXPECT_GT(peaks.acceleration.value, 1);
 }
@@ -209,11 +207,11 @@ TEST(MoveBounds, ABendOfAMillionthOfAMillimetreIsNotTakenForALine) {
 
 TEST(MoveBounds, AKeyOfTensionOneHasABoundedVelocity) {
   const std::vector<double> keys{0, 0, 50, 20, 60, 90, 0, 100};
-  const std::vector<KeyShape<double>> shapes{{}, {.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
+  const std::vector<KeyShape> shapes{{}, {.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
   const auto move =
       solved({.spline = Spline::tcb, .axis_count = 2, .keys = keys, .shapes = shapes}, {10, 10}, 48);
   const double speed = move.track().arc_length().total() / 2;
-  for (const AxisPeaks<double>& axis : peaks_of(move.track())) {
+  for (const AxisPeaks& axis : peaks_of(move.track())) {
     EXPECT_LE(axis.velocity.value, 1.01 * speed);
     EXPECT_GE(axis.velocity.value, speed / 10);
     EXPECT_EQ(axis.acceleration.value, std::numeric_limits<double>::infinity());
@@ -223,7 +221,7 @@ TEST(MoveBounds, AKeyOfTensionOneHasABoundedVelocity) {
 TEST(MoveBounds, ADwellIsStill) {
   const std::vector<double> keys{0, 50, 50, 100};
   const auto move = solved({.axis_count = 1, .keys = keys}, {0, 0, 10, 10, 0, 0, 0, 10, 10, 0, 0}, 240);
-  const AxisPeaks<double> peaks = peaks_of(move.track())[0];
+  const AxisPeaks peaks = peaks_of(move.track())[0];
   EXPECT_TRUE(std::isfinite(peaks.acceleration.value));
   EXPECT_TRUE(std::isfinite(peaks.jerk.value));
   EXPECT_GT(peaks.velocity.value, 10);
@@ -240,17 +238,17 @@ TEST(MoveBounds, TimedByFramesAreBoundedToo) {
   const std::vector<double> keys{0, 30, 90, 90};
   const std::vector<std::int32_t> key_frames{0, 12, 48, 72};
   for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
-    const TrackSpec<double> spec{.path = {.axis_count = 1, .keys = keys},
-                                 .control_values = {},
-                                 .frames = 72,
-                                 .fps = {24, 1},
-                                 .arc_length = {},
-                                 .key_frames = key_frames,
-                                 .kinetic = kinetic};
-    const SolvedTrack<double> move(spec, Solver::closed_form);
-    const AxisPeaks<double> peaks = peaks_of(move.track())[0];
-    std::vector<AxisMotion<double>> motion(1);
-    AxisMotion<double> dense;
+    const TrackSpec spec{.path = {.axis_count = 1, .keys = keys},
+                         .control_values = {},
+                         .frames = 72,
+                         .fps = {24, 1},
+                         .arc_length = {},
+                         .key_frames = key_frames,
+                         .kinetic = kinetic};
+    const SolvedTrack move(spec, Solver::closed_form);
+    const AxisPeaks peaks = peaks_of(move.track())[0];
+    std::vector<AxisMotion> motion(1);
+    AxisMotion dense;
     for (std::int32_t frame = 0; frame < 72; ++frame) {
       for (int part = 0; part < 1000; ++part) {
         move.track().motion({frame, part / 1000.0}, motion);
@@ -270,7 +268,7 @@ TEST(MoveBounds, TimedByFramesAreBoundedToo) {
 TEST(MoveBounds, TooLittleMemorySaysHowMuchIsNeeded) {
   const std::vector<double> keys{0, 0, 10, 50, 20, 10, 0, 0};
   const auto solution = solved({.axis_count = 2, .keys = keys}, {10, 10}, 48);
-  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
+  const Move move = Move::make({&solution.track(), 1}, {}).value();
   MoveBoundsStorage<2, 20, 200, 20, 4> storage;
   const auto code = [&](const MoveBoundsMemory& memory, MoveBounds bounds) {
     const Status status = bound_move(move, {&solution.track(), 1}, {}, {}, memory, bounds);
@@ -298,10 +296,10 @@ TEST(MoveBounds, TooLittleMemorySaysHowMuchIsNeeded) {
 TEST(MoveBounds, AMotorOfAnAxisThatTheMoveDoesNotHaveIsAnError) {
   const std::vector<double> keys{0, 0, 10, 50, 20, 10, 0, 0};
   const auto solution = solved({.axis_count = 2, .keys = keys}, {10, 10}, 48);
-  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
-  std::array<CalibrationPiece<double>, 3> pieces;
-  const std::array<CalibrationMark<double>, 2> marks{{{0, 0}, {100, 10}}};
-  const auto curve = Calibration<double>::make(marks, pieces);
+  const Move move = Move::make({&solution.track(), 1}, {}).value();
+  std::array<CalibrationPiece, 3> pieces;
+  const std::array<CalibrationMark, 2> marks{{{0, 0}, {100, 10}}};
+  const auto curve = Calibration::make(marks, pieces);
   ASSERT_TRUE(curve);
   const CalibratedMotor motor{.axis = 2, .calibration = &*curve};
   MoveBoundsStorage<3, 20, 200, 20, 4, 64, 2> storage;
@@ -314,7 +312,7 @@ TEST(MoveBounds, AMotorOfAnAxisThatTheMoveDoesNotHaveIsAnError) {
 TEST(MoveBounds, AStretchThatHasNoRoomIsFittedInShorterOnesWithTheSameBounds) {
   const std::vector<double> keys{0, 0, 100, 20, 180, -40, 300, 0, 200, 50, 20, 10};
   const auto solution = solved({.axis_count = 2, .keys = keys}, {0, 0, 10, 10, 4, 10, 0, 0}, 120);
-  const Move<double> move = Move<double>::make({&solution.track(), 1}, {}).value();
+  const Move move = Move::make({&solution.track(), 1}, {}).value();
   MoveBoundsStorage<2, 40, 400, 40, 30> wide;
   MoveBoundsStorage<2, 40, 60, 40, 30> narrow;
   MoveBounds at_once = wide.bounds(move, 30);
@@ -343,9 +341,9 @@ TEST(MoveBounds, TheEndOfThePathIsBoundedThoughTheLastFrameIsARoundingShortOfIt)
   move.keys.tension_continuity_bias = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0.99999L, 0, 0}};
   move.speed = {0.25, 0.25, 0.25, 0.5, 0.5, 3.5, 0, 0, 3, 0.25};
   move.frames = 1;
-  const TrackInput<double> input(move);
-  const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-  const std::vector<AxisPeaks<double>> peaks = peaks_of(solved.track());
+  const TrackInput input(move);
+  const SolvedTrack solved(input.spec, Solver::closed_form);
+  const std::vector<AxisPeaks> peaks = peaks_of(solved.track());
   EXPECT_GE(peaks[1].acceleration.value, 1.411898e13) << "the oracle's";
   EXPECT_GE(peaks[2].acceleration.value, 9.47988926e13);
 }
@@ -365,9 +363,9 @@ TEST(MoveBounds, ASharpTurnIsBoundedSoon) {
                                        {-0.549L, -0.217L, 0.503L},  {-0.494L, -0.758L, 0.144L}};
   move.speed = {1.75, 27.25, 71.75, 27.75, 50.5, 98.5, 0, 0};
   move.frames = 372;
-  const TrackInput<double> input(move);
-  const SolvedTrack<double> solved(input.spec, Solver::closed_form);
-  for (const AxisPeaks<double>& axis : peaks_of(solved.track())) EXPECT_GT(axis.acceleration.value, 1e6);
+  const TrackInput input(move);
+  const SolvedTrack solved(input.spec, Solver::closed_form);
+  for (const AxisPeaks& axis : peaks_of(solved.track())) EXPECT_GT(axis.acceleration.value, 1e6);
 }
 
 }  // namespace move_bounds_test

@@ -54,8 +54,8 @@ Plan plan_of(const std::string& move, const std::string& rig = rig_of()) {
   return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
 }
 
-AxisMotion<double> motion_at(const Plan& plan, double frame) {
-  std::vector<AxisMotion<double>> motion(plan.played().axis_count());
+AxisMotion motion_at(const Plan& plan, double frame) {
+  std::vector<AxisMotion> motion(plan.played().axis_count());
   const double whole = std::floor(frame);
   plan.motion().motion({static_cast<std::int32_t>(whole), frame - whole}, motion);
   return motion.front();
@@ -100,9 +100,9 @@ TEST(Rolls, AMoveThatStartsAndEndsMovingIsBroughtUpAndDownInsideItsLimits) {
 
 TEST(Rolls, OneFrameLessWouldBreakALimit) {
   const Plan plan = plan_of(move_of("5, 10, 5"));
-  std::vector<AxisMotion<double>> joints(1);
+  std::vector<AxisMotion> joints(1);
   ASSERT_TRUE(joints_of(plan.track_views(), RollEnd::before, std::span(joints)));
-  const RollRequest<double> request{RollEnd::before, 0, {24, 1}, joints, plan.limits()};
+  const RollRequest request{RollEnd::before, 0, {24, 1}, joints, plan.limits()};
   const std::int32_t frames = -plan.played().first_frame();
   EXPECT_FALSE((*roll_breach(request, frames)).has_value());
   EXPECT_TRUE((*roll_breach(request, frames - 1)).has_value());

@@ -23,12 +23,12 @@ struct Drawing {
   bool closed = false;
   std::int32_t axis_count = 2;
   std::vector<double> keys = {0, 0, 5, 9, 20, 3, 18, -4, 30, -10};
-  std::vector<KeyShape<double>> shapes = {};
+  std::vector<KeyShape> shapes = {};
   std::vector<double> speed = {0, 0, 10, 30, 4, 4, 0, 0};
   std::int32_t frames = 100;
 };
 
-TrackSpec<double> spec_of(const Drawing& drawing) {
+TrackSpec spec_of(const Drawing& drawing) {
   return {.path = {.spline = drawing.spline,
                    .closed = drawing.closed,
                    .axis_count = drawing.axis_count,
@@ -40,12 +40,12 @@ TrackSpec<double> spec_of(const Drawing& drawing) {
           .arc_length = {.delta = 1e-9}};
 }
 
-SolvedTrack<double> integrated(const Drawing& drawing, std::int32_t substeps = 10) {
-  return SolvedTrack<double>(spec_of(drawing), Solver::runge_kutta, {.substeps = substeps});
+SolvedTrack integrated(const Drawing& drawing, std::int32_t substeps = 10) {
+  return SolvedTrack(spec_of(drawing), Solver::runge_kutta, {.substeps = substeps});
 }
 
-SolvedTrack<double> closed_form(const Drawing& drawing) {
-  return SolvedTrack<double>(spec_of(drawing), Solver::closed_form);
+SolvedTrack closed_form(const Drawing& drawing) {
+  return SolvedTrack(spec_of(drawing), Solver::closed_form);
 }
 
 /// The error with which the Runge-Kutta solver refuses a drawing that the closed form solves.
@@ -67,7 +67,7 @@ TEST(RungeKutta, FindsTheTableOfTheClosedForm) {
     const Drawing drawing{.closed = closed};
     const auto expected = closed_form(drawing);
     const auto solution = integrated(drawing, 200);
-    const Track<double>& track = solution.track();
+    const Track& track = solution.track();
     ASSERT_EQ(solution.table().frames(), 100);
     for (std::int32_t frame = 0; frame <= 100; ++frame) {
       EXPECT_NEAR(frame_row(track, solution.table(), frame).distance,
@@ -80,15 +80,15 @@ TEST(RungeKutta, TheFirstAndLastFrameAreTheKeysToTheLastBit) {
   for (const bool closed : {false, true}) {
     const Drawing drawing{.closed = closed};
     const auto solution = integrated(drawing);
-    EXPECT_EQ(solution.table().point(0), (PathPoint<double>{0, 0}));
-    EXPECT_EQ(solution.table().point(100), (PathPoint<double>{closed ? 5 : 4, 0}));
+    EXPECT_EQ(solution.table().point(0), (PathPoint{0, 0}));
+    EXPECT_EQ(solution.table().point(100), (PathPoint{closed ? 5 : 4, 0}));
     EXPECT_TRUE(check_invariants(solution.track(), solution.table()));
   }
 }
 
 TEST(RungeKutta, TheTableCarriesItsProvenance) {
   const auto solution = integrated({});
-  const Provenance<double>& provenance = solution.table().provenance();
+  const Provenance& provenance = solution.table().provenance();
   EXPECT_EQ(provenance.solver, Solver::runge_kutta);
   EXPECT_EQ(provenance.substeps, 10);
   EXPECT_GE(provenance.integrations, 4);  // two that bracket, one that ZEROIN asks for, and the final one
@@ -109,11 +109,8 @@ TEST(RungeKutta, IsOfFourthOrderWhereThePathIsSmooth) {
                         .speed = {1, 3},
                         .frames = 5};
   const auto error = [&](std::int32_t substeps) {
-    const OdeOptions<double> options{.substeps = substeps, .tolerance = 1e-13};
-    return SolvedTrack<double>(spec_of(drawing), Solver::runge_kutta, options)
-        .table()
-        .provenance()
-        .speed_error;
+    const OdeOptions options{.substeps = substeps, .tolerance = 1e-13};
+    return SolvedTrack(spec_of(drawing), Solver::runge_kutta, options).table().provenance().speed_error;
   };
   double error_before = error(8);
   EXPECT_LT(error_before, 1e-6);
@@ -178,8 +175,8 @@ TEST(RungeKutta, StaysThroughADwell) {
 
 TEST(RungeKutta, APathThatStaysIsNoTask) {
   const auto solution = integrated({.axis_count = 1, .keys = {4, 4}, .frames = 3});
-  EXPECT_EQ(solution.table().point(2), (PathPoint<double>{0, 0}));
-  EXPECT_EQ(solution.table().point(3), (PathPoint<double>{1, 0}));
+  EXPECT_EQ(solution.table().point(2), (PathPoint{0, 0}));
+  EXPECT_EQ(solution.table().point(3), (PathPoint{1, 0}));
   EXPECT_EQ(solution.table().provenance().constant, 0);
 }
 
@@ -210,7 +207,7 @@ TEST(RungeKutta, RefusesATableThatMissesTheLastKey) {
 }
 
 TEST(RungeKutta, TensionOneIsSingularAndNamesItsKey) {
-  std::vector<KeyShape<double>> shapes(5);
+  std::vector<KeyShape> shapes(5);
   for (const std::int32_t key : {0, 2, 4}) {
     shapes.assign(5, {});
     shapes[static_cast<std::size_t>(key)].tension = 1;
@@ -251,11 +248,11 @@ TEST(RungeKutta, StepsAFrameAreCountedFromOneToTenThousand) {
 TEST(RungeKutta, StatesTheCapacityNeededWhichSuffices) {
   const Drawing drawing{.frames = 20};
   const auto good = closed_form(drawing);
-  std::vector<OdeSegment<double>> segments(100);
-  std::vector<PathPoint<double>> points(100);
+  std::vector<OdeSegment> segments(100);
+  std::vector<PathPoint> points(100);
   const auto solve = [&](std::size_t segment_count, std::size_t point_count) {
-    return runge_kutta_table<double>(good.track(), {.substeps = 50}, std::span(segments).first(segment_count),
-                                     std::span(points).first(point_count));
+    return runge_kutta_table(good.track(), {.substeps = 50}, std::span(segments).first(segment_count),
+                             std::span(points).first(point_count));
   };
   const auto no_points = solve(100, 20);
   ASSERT_FALSE(no_points);
@@ -268,89 +265,62 @@ TEST(RungeKutta, StatesTheCapacityNeededWhichSuffices) {
   EXPECT_TRUE(solve(5, 21));
 }
 
-TEST(RungeKutta, WorksInSinglePrecision) {
-  const std::vector<float> keys{0, 0, 5, 9, 20, 3, 18, -4, 30, -10};
-  const std::vector<float> speed{1, 5, 10, 30, 4, 4, 5, 1};
-  const TrackSpec<float> spec{.path = {.axis_count = 2, .keys = keys},
-                              .control_values = speed,
-                              .frames = 100,
-                              .fps = {24, 1},
-                              .arc_length = {}};
-  const SolvedTrack<float> solution(spec, Solver::runge_kutta, {.substeps = 20, .tolerance = 1e-6F});
-  EXPECT_LE(solution.table().provenance().speed_error, 0.02F);
-  EXPECT_NEAR(solution.table().provenance().constant / solution.track().constant(), 1, 1e-3);
-}
-
 // --- its root finder
 
 /// Runs ZEROIN from the ends of an interval and counts what it asks for.
-template <Precise Real>
 struct Search {
-  Sample<Real> found;
+  Sample found;
   int evaluations = 0;
-  Real least = std::numeric_limits<Real>::infinity();  ///< |y| of the best sample it was shown
+  double least = std::numeric_limits<double>::infinity();  ///< |y| of the best sample it was shown
 
   template <class Function>
-  Search(Function function, Real from, Real to, Real tolerance, std::int32_t most = 200) {
-    const auto counted = [&](Real x) {
+  Search(Function function, double from, double to, double tolerance, std::int32_t most = 200) {
+    const auto counted = [&](double x) {
       ++evaluations;
-      const Real y = function(x);
+      const double y = function(x);
       least = std::min(least, std::fabs(y));
       return y;
     };
-    const Sample<Real> a{from, function(from)};
-    const Sample<Real> b{to, function(to)};
+    const Sample a{from, function(from)};
+    const Sample b{to, function(to)};
     least = std::min(std::fabs(a.y), std::fabs(b.y));
-    found = zeroin<Real>(counted, a, b, tolerance, most);
+    found = zeroin(counted, a, b, tolerance, most);
   }
 };
 
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-template <class Real>
-class ZeroinIn : public testing::Test {};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(ZeroinIn, Precisions, PrecisionName);
-
-TYPED_TEST(ZeroinIn, ALineIsFoundAtOnce) {
-  using Real = TypeParam;
-  const auto line = [](Real x) { return 3 * x - 1; };
+TEST(Zeroin, ALineIsFoundAtOnce) {
+  const auto line = [](double x) { return 3 * x - 1; };
   for (const bool turned : {false, true}) {
-    const Search<Real> search(line, turned ? Real(5) : Real(-2), turned ? Real(-2) : Real(5), Real(1e-6));
-    EXPECT_NEAR(search.found.x, Real(1) / 3, Real(1e-6));
+    const Search search(line, turned ? 5.0 : -2.0, turned ? -2.0 : 5.0, 1e-6);
+    EXPECT_NEAR(search.found.x, 1.0 / 3, 1e-6);
     EXPECT_EQ(search.found.y, line(search.found.x));
     EXPECT_LE(search.evaluations, 3);
   }
 }
 
-TYPED_TEST(ZeroinIn, ACubicIsFoundFasterThanByHalving) {
-  using Real = TypeParam;
-  const auto cubic = [](Real x) { return x * x * x - 2; };
-  const Search<Real> search(cubic, 0, 4, Real(1e-6));
-  EXPECT_NEAR(search.found.x, std::cbrt(Real(2)), Real(1e-6));
+TEST(Zeroin, ACubicIsFoundFasterThanByHalving) {
+  const auto cubic = [](double x) { return x * x * x - 2; };
+  const Search search(cubic, 0, 4, 1e-6);
+  EXPECT_NEAR(search.found.x, std::cbrt(2.0), 1e-6);
   EXPECT_LE(search.evaluations, 12) << "halving takes 22";
 }
 
 TEST(Zeroin, ATightToleranceIsMetToTheLastDigits) {
-  const Search<double> search([](double x) { return std::cos(x) - x; }, 0.0, 1.0, 0.0);
+  const Search search([](double x) { return std::cos(x) - x; }, 0.0, 1.0, 0.0);
   EXPECT_NEAR(search.found.x, 0.7390851332151607, 4e-16);
   EXPECT_LE(search.evaluations, 10);
 }
 
 TEST(Zeroin, AFlatZeroIsStillBracketed) {
   const auto flat = [](double x) { return std::pow(x - 0.3, 9.0); };
-  const Search<double> search(flat, -1.0, 4.0, 1e-6);
+  const Search search(flat, -1.0, 4.0, 1e-6);
   EXPECT_NEAR(search.found.x, 0.3, 1e-6);
   EXPECT_LE(search.evaluations, 150);
 }
 
 TEST(Zeroin, APlateauOfZeroEndsTheSearch) {
   const auto plateau = [](double x) { return x < 1 ? x - 1 : x > 3 ? x - 3 : 0.0; };
-  const Search<double> search(plateau, -2.0, 9.0, 1e-12);
+  const Search search(plateau, -2.0, 9.0, 1e-12);
   EXPECT_EQ(search.found.y, 0);
   EXPECT_GE(search.found.x, 1);
   EXPECT_LE(search.found.x, 3);
@@ -359,7 +329,7 @@ TEST(Zeroin, APlateauOfZeroEndsTheSearch) {
 TEST(Zeroin, AStepIsHalvedDownToItsTolerance) {
   for (int i = 1; i < 100; ++i) {
     const double edge = i / 100.0 + 1e-3;
-    const Search<double> search([&](double x) { return x < edge ? -1.0 : 5.0; }, 0.0, 1.0, 1e-9);
+    const Search search([&](double x) { return x < edge ? -1.0 : 5.0; }, 0.0, 1.0, 1e-9);
     EXPECT_NEAR(search.found.x, edge, 1.0001e-9);
     EXPECT_LE(search.evaluations, 80);
   }
@@ -368,17 +338,17 @@ TEST(Zeroin, AStepIsHalvedDownToItsTolerance) {
 TEST(Zeroin, AFunctionFlatOnOneSideOnlyIsStillFound) {
   // Beyond the zero all trials look alike, as where an integration stops at its slack.
   const auto saturated = [](double x) { return std::min(x * x - 0.25, 1e-3); };
-  const Search<double> search(saturated, 0.0, 1000.0, 1e-12);
+  const Search search(saturated, 0.0, 1000.0, 1e-12);
   EXPECT_NEAR(search.found.x, 0.5, 1e-12);
   EXPECT_LE(search.evaluations, 100);
 }
 
 TEST(Zeroin, AZeroAtAnEndIsReturnedWithoutSearching) {
   const auto line = [](double x) { return x - 1; };
-  const Search<double> upper(line, 0.0, 1.0, 1e-9);
+  const Search upper(line, 0.0, 1.0, 1e-9);
   EXPECT_EQ(upper.found.x, 1);
   EXPECT_EQ(upper.evaluations, 0);
-  const Search<double> lower(line, 1.0, 3.0, 1e-9);
+  const Search lower(line, 1.0, 3.0, 1e-9);
   EXPECT_EQ(lower.found.x, 1);
   EXPECT_EQ(lower.evaluations, 0);
 }
@@ -386,7 +356,7 @@ TEST(Zeroin, AZeroAtAnEndIsReturnedWithoutSearching) {
 TEST(Zeroin, NeverAsksForMoreThanItMayAndReturnsTheBestItSaw) {
   const auto steep = [](double x) { return std::exp(20 * x) - 2; };
   for (std::int32_t most = 0; most <= 20; ++most) {
-    const Search<double> search(steep, -3.0, 1.0, 1e-12, most);
+    const Search search(steep, -3.0, 1.0, 1e-12, most);
     EXPECT_LE(search.evaluations, most);
     EXPECT_EQ(std::fabs(search.found.y), search.least) << "after " << most;
     EXPECT_EQ(search.found.y, steep(search.found.x));

@@ -14,17 +14,16 @@ namespace path_of_cubics_test {
 
 /// One axis that goes as t^2 over two halves of a way, and a guide that goes evenly from 0 to 3.
 struct Halves {
-  std::vector<Cubic<double>> cubics = {
-      {0, 0, 0.25, 0}, {0, 1.5, 0, 0}, {0.25, 0.5, 0.25, 0}, {1.5, 1.5, 0, 0}};
+  std::vector<Cubic> cubics = {{0, 0, 0.25, 0}, {0, 1.5, 0, 0}, {0.25, 0.5, 0.25, 0}, {1.5, 1.5, 0, 0}};
   std::vector<double> weights = {0, 1};
   std::vector<FrameKnot> knots = {{.key = 0, .part = 0, .parts = 2}, {.key = 0, .part = 1, .parts = 2}};
   std::int32_t key_count = 2;
-  std::array<Cubic<double>, 6> cubic_memory{};
+  std::array<Cubic, 6> cubic_memory{};
   std::array<double, 2> weight_memory{};
   std::array<FrameKnot, 2> knot_memory{};
 
-  Result<Path<double>> make() {
-    return Path<double>::make_of_cubics(
+  Result<Path> make() {
+    return Path::make_of_cubics(
         {.axis_count = 1, .key_count = key_count, .cubics = cubics, .weights = weights, .knots = knots},
         {cubic_memory, weight_memory, knot_memory});
   }
@@ -46,11 +45,11 @@ TEST(PathOfCubics, TheGuideIsTheDistanceAndTheAxisFollows) {
   EXPECT_EQ(path->key_at(2), 1);
   EXPECT_FALSE(path->over_frames());
   EXPECT_DOUBLE_EQ(path->parameter({1, 0.5}), 0.75);
-  ArcLengthStorage<double, 2> storage;
-  const auto length = ArcLength<double>::make(*path, {}, storage.memory());
+  ArcLengthStorage<2> storage;
+  const auto length = ArcLength::make(*path, {}, storage.memory());
   ASSERT_TRUE(length);
   EXPECT_DOUBLE_EQ(length->total(), 3);
-  const PathPoint<double> point = length->locate({2.25, 0});
+  const PathPoint point = length->locate({2.25, 0});
   EXPECT_NEAR(path->position(point, 0), 0.75 * 0.75, 1e-12);
   EXPECT_DOUBLE_EQ(path->position({2, 0}, 0), 1);
 }

@@ -78,13 +78,13 @@ class TwoServos : public testing::Test {
   RigFile rig = rig_of(axis("jaw", fifo.path) + axis("lid", fifo.path));
   Reader reader{fifo.opened()};
   PipeDrives drives{rig, std::vector<std::size_t>{0, 1}};
-  std::vector<DriveState<double>> states = std::vector<DriveState<double>>(2);
+  std::vector<DriveState> states = std::vector<DriveState>(2);
   std::int64_t now_ns = 1'000'000'000;
 
   void tick(const std::vector<double>& positions) {
     now_ns += 4'000'000;
     drives.read(states, now_ns);
-    std::vector<Setpoint<double>> setpoints;
+    std::vector<Setpoint> setpoints;
     for (const double position : positions) setpoints.push_back({.position = position});
     drives.write(setpoints, now_ns);
   }
@@ -222,14 +222,14 @@ TEST(PipeDrives, ABoardOnASerialPortHasTwoSecondsToStart) {
   const RigFile rig = rig_of(axis("jaw", terminal.path));
   PipeDrives drives(rig, std::vector<std::size_t>{0});
   drives.enable();
-  std::vector<DriveState<double>> states(1);
+  std::vector<DriveState> states(1);
   drives.read(states, 1'000'000'000);
   EXPECT_FALSE(states[0].is_on);
   drives.read(states, 2'999'000'000);
   EXPECT_FALSE(states[0].is_on);
   drives.read(states, 3'000'000'000);
   EXPECT_TRUE(states[0].is_on);
-  const Setpoint<double> setpoint{.position = 1};
+  const Setpoint setpoint{.position = 1};
   drives.write({&setpoint, 1}, 3'000'000'000);
   EXPECT_EQ(terminal.board.read(), "0 0 jaw=1510\n") << "as it is, no line end is changed";
 }
@@ -257,11 +257,11 @@ TEST(PipeDrives, TheMachineOpensThem) {
   const RigFile rig = rig_of(axis("jaw", fifo.path));
   MachineHardware hardware(rig, false);
   RigDrives drives(rig, hardware);
-  std::vector<DriveState<double>> states(1);
+  std::vector<DriveState> states(1);
   drives.place(0, 7);
   drives.enable();
   drives.read(states, 4'000'000);
-  const Setpoint<double> setpoint{.position = 7};
+  const Setpoint setpoint{.position = 7};
   drives.write({&setpoint, 1}, 4'000'000);
   EXPECT_EQ(reader.read(), "0 0 jaw=1570\n");
 }

@@ -187,17 +187,17 @@ TEST(PlanJson, ItsCoefficientsReproduceTheKeys) {
 TEST(PlanJson, ItsNumbersReadBackToTheLastBit) {
   const std::string move = examples + "reveal.toml";
   const Plan solved(read_move_file(move), std::nullopt, {});
-  const Track<double>& track = solved.tracks()[0].track();
-  const FrameTable<double>& table = solved.tracks()[0].table();
+  const Track& track = solved.tracks()[0].track();
+  const FrameTable& table = solved.tracks()[0].table();
   const Json json = json_of({move});
   const Json& printed = json["tracks"][0];
   EXPECT_SAME_BITS(printed["length"].get<double>(), track.arc_length().total());
   EXPECT_SAME_BITS(printed["K"].get<double>(), table.provenance().constant);
-  std::vector<AxisMotion<double>> motion(3);
+  std::vector<AxisMotion> motion(3);
   constexpr std::array travels{1580.0, 94.0, 13.1};
   for (std::int32_t frame = 0; frame <= 192; ++frame) {
     const Json& row = printed["table"][static_cast<std::size_t>(frame)];
-    const FrameRow<double> expected = frame_row(track, table, frame);
+    const FrameRow expected = frame_row(track, table, frame);
     EXPECT_EQ(row["frame"], frame);
     EXPECT_SAME_BITS(row["alpha"].get<double>(), expected.alpha);
     EXPECT_SAME_BITS(row["s"].get<double>(), expected.point.segment + expected.point.t);
@@ -306,7 +306,7 @@ TEST(PlanJson, PerTickItsAxesHaveAValuePerTick) {
   }
   std::vector<double> positions(2);
   for (std::size_t tick = 0; tick < 122; ++tick) {
-    const auto time = frame_time_of_tick<double>(static_cast<std::int64_t>(tick), {24000, 1001}, 60);
+    const auto time = frame_time_of_tick(static_cast<std::int64_t>(tick), {24000, 1001}, 60);
     solved.motion().trajectories()[0].positions(time, positions);
     EXPECT_SAME_BITS(json["axes"][2]["position"][tick].get<double>(), positions[0]);
     EXPECT_SAME_BITS(json["axes"][1]["position"][tick].get<double>(), positions[1]);

@@ -175,7 +175,7 @@ speed = [1]
 TEST(Plan, EveryTrackTravelsItsWholePath) {
   for (const Solver solver : {Solver::closed_form, Solver::runge_kutta}) {
     const Plan plan = plan_of(two_tracks, std::nullopt, solver);
-    for (const SolvedTrack<double>& solved : plan.tracks()) {
+    for (const SolvedTrack& solved : plan.tracks()) {
       EXPECT_EQ(solved.table().provenance().solver, solver);
       EXPECT_EQ(solved.table().frames(), 48);
       EXPECT_TRUE(check_invariants(solved.track(), solved.table()));
@@ -226,11 +226,11 @@ std::string bend_in(int frames, int met, const std::string& timing) {
 
 std::vector<double> positions_of(const Plan& plan) {
   std::vector<double> all;
-  const Track<double>& track = plan.tracks()[0].track();
-  std::vector<AxisMotion<double>> motion(2);
+  const Track& track = plan.tracks()[0].track();
+  std::vector<AxisMotion> motion(2);
   for (std::int32_t frame = 0; frame <= plan.move().frames; ++frame) {
     static_cast<void>(track.motion({frame, 0}, motion));
-    for (const AxisMotion<double>& axis : motion) all.push_back(axis.position);
+    for (const AxisMotion& axis : motion) all.push_back(axis.position);
   }
   return all;
 }

@@ -16,57 +16,55 @@ namespace played_motion_test {
 constexpr FrameRate film{24, 1};
 
 /// One axis through some keys.
-template <Precise Real>
-SolvedTrack<Real> track_of(const std::vector<Real>& keys, const std::vector<Real>& speed) {
-  TrackSpec<Real> spec;
+SolvedTrack track_of(const std::vector<double>& keys, const std::vector<double>& speed) {
+  TrackSpec spec;
   spec.path = {.spline = Spline::smooth, .closed = false, .axis_count = 1, .keys = keys};
   spec.control_values = speed;
   spec.frames = 48;
   spec.fps = film;
-  return SolvedTrack<Real>(spec, Solver::closed_form);
+  return SolvedTrack(spec, Solver::closed_form);
 }
 
 /// Tracks with their trajectories.
 class Fitted {
  public:
-  explicit Fitted(std::vector<Track<double>> tracks) : tracks_(std::move(tracks)) {
-    for (const Track<double>& track : tracks_) trajectories_.push_back(*fitted_.emplace_back(track));
+  explicit Fitted(std::vector<Track> tracks) : tracks_(std::move(tracks)) {
+    for (const Track& track : tracks_) trajectories_.push_back(*fitted_.emplace_back(track));
   }
-  bool joints(RollEnd end, const WholeFrames& part, std::span<AxisMotion<double>> out) const {
+  bool joints(RollEnd end, const WholeFrames& part, std::span<AxisMotion> out) const {
     return joints_of_part(tracks_, trajectories_, part, end, out);
   }
-  [[nodiscard]] std::vector<RollAxis<double>> rolls(RollEnd end, std::int32_t frames,
-                                                    const WholeFrames& part) const {
+  [[nodiscard]] std::vector<RollAxis> rolls(RollEnd end, std::int32_t frames, const WholeFrames& part) const {
     std::size_t axes = 0;
     for (const Trajectory& trajectory : trajectories_) axes += trajectory.axis_count();
-    std::vector<AxisMotion<double>> at(axes);
+    std::vector<AxisMotion> at(axes);
     joints(end, part, at);
-    std::vector<RollAxis<double>> made;
+    std::vector<RollAxis> made;
     const std::int32_t joint_frame = end == RollEnd::before ? part.first : part.last;
-    for (const AxisMotion<double>& joint : at)
-      made.push_back(*RollAxis<double>::make({end, joint_frame, frames, film}, joint));
+    for (const AxisMotion& joint : at)
+      made.push_back(*RollAxis::make({end, joint_frame, frames, film}, joint));
     return made;
   }
-  [[nodiscard]] PlayedMotion played(const MoveRolls<double>& rolls, const WholeFrames& part) const {
-    return *PlayedMotion::make(*Move<double>::make(tracks_, rolls, part), trajectories_);
+  [[nodiscard]] PlayedMotion played(const MoveRolls& rolls, const WholeFrames& part) const {
+    return *PlayedMotion::make(*Move::make(tracks_, rolls, part), trajectories_);
   }
 
  private:
-  std::vector<Track<double>> tracks_;
+  std::vector<Track> tracks_;
   std::deque<FittedTrajectory> fitted_;
   std::vector<Trajectory> trajectories_;
 };
 
 TEST(PlayedMotion, APartHasThePositionsOfTheWholeToTheLastBitBetweenRollsOfItsOwn) {
-  const auto one = track_of<double>({0, 30, 100}, {0, 0, 10, 0, 0});
-  const auto other = track_of<double>({-1, 2, 7}, {5, 10, 7});
+  const auto one = track_of({0, 30, 100}, {0, 0, 10, 0, 0});
+  const auto other = track_of({-1, 2, 7}, {5, 10, 7});
   const Fitted fitted({one.track(), other.track()});
   constexpr WholeFrames part{12, 36};
   const auto before = fitted.rolls(RollEnd::before, 10, part);
   const auto after = fitted.rolls(RollEnd::after, 20, part);
   const PlayedMotion whole = fitted.played({}, {0, 48});
   const PlayedMotion played = fitted.played({before, after}, part);
-  const Move<double>* const move = &played.move();
+  const Move* const move = &played.move();
   EXPECT_EQ(move->part(), part);
   EXPECT_EQ(move->first_frame(), 2);
   EXPECT_EQ(move->last_frame(), 56);
@@ -82,7 +80,7 @@ TEST(PlayedMotion, APartHasThePositionsOfTheWholeToTheLastBitBetweenRollsOfItsOw
       EXPECT_EQ(of_part, of_whole) << frame;
     }
   }
-  std::array<AxisMotion<double>, 2> outside, inside;
+  std::array<AxisMotion, 2> outside, inside;
   for (const std::int32_t frame : {-5, 2, 56, 57}) {
     played.motion({frame, 0}, outside);
     EXPECT_EQ(outside[0].velocity, 0) << frame;
@@ -91,7 +89,7 @@ TEST(PlayedMotion, APartHasThePositionsOfTheWholeToTheLastBitBetweenRollsOfItsOw
   }
   for (const std::int32_t joint : {12, 36}) {
     const double step = 1.0 / 1024;
-    played.motion(joint == 12 ? FrameTime<double>{11, 1 - step} : FrameTime<double>{36, step}, outside);
+    played.motion(joint == 12 ? FrameTime{11, 1 - step} : FrameTime{36, step}, outside);
     whole.motion({joint, 0}, inside);
     for (std::size_t d = 0; d < 2; ++d) {
       EXPECT_NEAR(outside[d].position, inside[d].position, 0.01);
@@ -102,7 +100,7 @@ TEST(PlayedMotion, APartHasThePositionsOfTheWholeToTheLastBitBetweenRollsOfItsOw
 }
 
 TEST(PlayedMotion, APartThatBeginsAndEndsInAHoldRestsThereWithoutRolls) {
-  TrackSpec<double> spec;
+  TrackSpec spec;
   const std::vector<double> keys{0, 40, 100};
   spec.path = {.axis_count = 1, .keys = keys};
   const std::vector<double> speed{0, 0, 10, 10, 10, 0, 0};
@@ -111,9 +109,9 @@ TEST(PlayedMotion, APartThatBeginsAndEndsInAHoldRestsThereWithoutRolls) {
   spec.locks = locks;
   spec.frames = 96;
   spec.fps = film;
-  const SolvedTrack<double> solved(spec, Solver::closed_form);
+  const SolvedTrack solved(spec, Solver::closed_form);
   const Fitted fitted({solved.track()});
-  std::vector<AxisMotion<double>> joints(1);
+  std::vector<AxisMotion> joints(1);
   for (const WholeFrames& part : {WholeFrames{0, 40}, {0, 46}, {0, 52}}) {
     EXPECT_FALSE(fitted.joints(RollEnd::after, part, joints)) << part.last;
     EXPECT_NEAR(joints[0].position, 40, 1e-9);
@@ -132,23 +130,23 @@ TEST(PlayedMotion, ARollJoinsTheInnerSideOfAKeyOnWhichTheMotionSteps) {
   const std::vector<double> keys{0, 0, 100, 0, 100, 60};
   const std::vector<double> speed{10, 10};
   const std::vector<std::int32_t> frames{0, 24, 48};
-  TrackSpec<double> drawn;
+  TrackSpec drawn;
   drawn.path = {.spline = Spline::linear, .axis_count = 2, .keys = keys};
   drawn.fps = film;
   drawn.frames = 48;
-  TrackSpec<double> timed = drawn;
+  TrackSpec timed = drawn;
   timed.key_frames = frames;
   timed.kinetic = Kinetic::linear;
   drawn.control_values = speed;
   const std::array locks{KeyLock{.key = 1, .frame = 24}};
   drawn.locks = locks;
   const std::array broken_locks{KeyLock{.key = 1, .frame = 24, .breaks = true}};
-  TrackSpec<double> broken = drawn;
+  TrackSpec broken = drawn;
   broken.locks = broken_locks;
-  for (const TrackSpec<double>& spec : {drawn, broken, timed}) {
-    const SolvedTrack<double> solved(spec, Solver::closed_form);
+  for (const TrackSpec& spec : {drawn, broken, timed}) {
+    const SolvedTrack solved(spec, Solver::closed_form);
     const Fitted fitted({solved.track()});
-    std::vector<AxisMotion<double>> joints(2);
+    std::vector<AxisMotion> joints(2);
     ASSERT_TRUE(fitted.joints(RollEnd::after, WholeFrames{0, 24}, joints));
     EXPECT_GT(joints[0].velocity, 60);
     EXPECT_EQ(joints[1].velocity, 0);
@@ -165,10 +163,10 @@ TEST(PlayedMotion, ARollJoinsTheInnerSideOfAKeyOnWhichTheMotionSteps) {
 }
 
 TEST(PlayedMotion, TrajectoriesOfOtherTracksAreRefused) {
-  const auto one = track_of<double>({0, 30, 100}, {0, 0, 10, 0, 0});
+  const auto one = track_of({0, 30, 100}, {0, 0, 10, 0, 0});
   const std::array tracks{one.track()};
   const FittedTrajectory fitted(one.track());
-  const Move<double> move = *Move<double>::make(tracks, {});
+  const Move move = *Move::make(tracks, {});
   const std::array part{fitted->part({3, 0}, {20, 0})};
   EXPECT_EQ(PlayedMotion::make(move, {}).error().code, ErrorCode::wrong_count);
   EXPECT_EQ(PlayedMotion::make(move, part).error().code, ErrorCode::out_of_range);
@@ -177,19 +175,19 @@ TEST(PlayedMotion, TrajectoriesOfOtherTracksAreRefused) {
 TEST(PlayedMotion, OneAxisIsThatOfAllToTheLastBit) {
   const std::vector<double> keys{0, 0, 50, 20, 60, 90, 0, 100};
   const std::vector<double> speed{0, 0, 10, 4, 10, 0, 0};
-  const SolvedTrack<double> solved({.path = {.axis_count = 2, .keys = keys},
-                                    .control_values = speed,
-                                    .frames = 48,
-                                    .fps = film,
-                                    .arc_length = {}},
-                                   Solver::closed_form);
+  const SolvedTrack solved({.path = {.axis_count = 2, .keys = keys},
+                            .control_values = speed,
+                            .frames = 48,
+                            .fps = film,
+                            .arc_length = {}},
+                           Solver::closed_form);
   const FittedTrajectory fitted(solved.track());
-  std::array<AxisMotion<double>, 2> all;
+  std::array<AxisMotion, 2> all;
   for (int i = -20; i <= 500; ++i) {
-    const FrameTime<double> time = moved_by<double>({0, 0}, i / 10.0);
+    const FrameTime time = moved_by({0, 0}, i / 10.0);
     fitted->motion(time, all);
     for (std::size_t d = 0; d < all.size(); ++d) {
-      const AxisMotion<double> one = fitted->motion_of(d, time);
+      const AxisMotion one = fitted->motion_of(d, time);
       EXPECT_EQ(one.position, all[d].position) << i;
       EXPECT_EQ(one.velocity, all[d].velocity) << i;
       EXPECT_EQ(one.acceleration, all[d].acceleration) << i;

@@ -51,15 +51,14 @@ struct Bench {
             rig_near(move, {.share = [] { return 1.05; }, .limits_jerk = limits_jerk, .rate_hz = rate_hz}),
             {}};
   }
-  [[nodiscard]] Playhead<double> playhead() const { return {plan.played(), *stops.bounds(), rate_hz}; }
+  [[nodiscard]] Playhead playhead() const { return {plan.played(), *stops.bounds(), rate_hz}; }
 };
 
-double frames_of(const FrameTime<double>& time) {
+double frames_of(const FrameTime& time) {
   return time.frame + time.fraction;
 }
 
-PlayheadEvent tick_until_rest(Playhead<double>& playhead, RecordedPlay* record = nullptr,
-                              int most = 200'000) {
+PlayheadEvent tick_until_rest(Playhead& playhead, RecordedPlay* record = nullptr, int most = 200'000) {
   PlayheadEvent last = PlayheadEvent::none;
   for (int i = 0; i < most && !playhead.is_resting(); ++i) {
     last = playhead.tick();
@@ -71,12 +70,12 @@ PlayheadEvent tick_until_rest(Playhead<double>& playhead, RecordedPlay* record =
 
 TEST(Playhead, PlaysAMoveInExactlyItsFrames) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.play(Direction::forward));
   const std::int64_t last = last_tick(240, {24, 1}, rate_hz);
   for (std::int64_t tick = 1; tick < last; ++tick) {
     ASSERT_EQ(playhead.tick(), PlayheadEvent::none) << tick;
-    const FrameTime<double> expected = frame_time_of_tick<double>(tick, {24, 1}, rate_hz);
+    const FrameTime expected = frame_time_of_tick(tick, {24, 1}, rate_hz);
     ASSERT_EQ(playhead.time().frame, expected.frame) << tick;
     ASSERT_EQ(playhead.time().fraction, expected.fraction) << tick;
   }
@@ -87,7 +86,7 @@ TEST(Playhead, PlaysAMoveInExactlyItsFrames) {
 
 TEST(Playhead, PlaysBackTheSameWay) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.place_on(240));
   ASSERT_TRUE(playhead.play(Direction::backward));
   for (std::int64_t tick = 1; tick < 10'000; ++tick) {
@@ -99,10 +98,10 @@ TEST(Playhead, PlaysBackTheSameWay) {
 }
 
 /// Stops the playhead where it is and looks at everything until it rests.
-void expect_a_stop_in_time(const Bench& bench, Playhead<double> playhead, RecordedPlay record,
+void expect_a_stop_in_time(const Bench& bench, Playhead playhead, RecordedPlay record,
                            const std::string& where) {
   const bool forward = playhead.rate() > 0 || (playhead.rate() == 0 && playhead.rate_change() >= 0);
-  const StopLength<double> foretold = bench.stops.bounds()->stop_from(playhead.time(), forward);
+  const StopLength foretold = bench.stops.bounds()->stop_from(playhead.time(), forward);
   const double from = frames_of(playhead.time());
   playhead.stop();
   int ticks = 0;
@@ -124,7 +123,7 @@ void expect_a_stop_in_time(const Bench& bench, Playhead<double> playhead, Record
 }
 
 /// A stop at every tick of what `begin` starts.
-void expect_stops_everywhere(const Bench& bench, Playhead<double> playhead) {
+void expect_stops_everywhere(const Bench& bench, Playhead playhead) {
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   constexpr int every = sanitized ? 37 : 1;
   for (int tick = 0; !playhead.is_resting() && tick < 200'000; ++tick) {
@@ -140,14 +139,14 @@ void expect_stops_everywhere(const Bench& bench, Playhead<double> playhead) {
 
 TEST(Playhead, AStopAtEveryTickStaysInsideTheStopLimits) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.play(Direction::forward));
   expect_stops_everywhere(bench, playhead);
 }
 
 TEST(Playhead, AStopAtEveryTickBackwardStaysInsideTheStopLimits) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.place_on(240));
   ASSERT_TRUE(playhead.play(Direction::backward));
   expect_stops_everywhere(bench, playhead);
@@ -157,14 +156,14 @@ TEST(Playhead, AStopAtEveryTickBackwardStaysInsideTheStopLimits) {
 TEST(Playhead, AStopAtEveryTickOfTheRollsStaysInsideTheStopLimits) {
   const Bench bench(bends("6, 10, 6, 10, 4"));
   ASSERT_LT(bench.plan.played().first_frame(), 0);
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.play(Direction::forward));
   expect_stops_everywhere(bench, playhead);
 }
 
 TEST(Playhead, AStopAtEveryTickWithoutALimitOfTheJerk) {
   const Bench bench(bends(), 1, false);
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.play(Direction::forward));
   expect_stops_everywhere(bench, playhead);
 }
@@ -183,7 +182,7 @@ speed = [0, 0, 8, 8, 8, 8, 8, 8, 0, 0]
 )",
                     1, false);
   ASSERT_EQ(bench.plan.played().axis_count(), 5U);
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.play(Direction::forward));
   expect_stops_everywhere(bench, playhead);
 }
@@ -202,7 +201,7 @@ TEST(Playhead, WhereTheAccelerationStepsOnlyTheListedStepsExceedTheJerk) {
   for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
   ASSERT_EQ(steps.size(), 4U) << "two keys, two axes";
   const PlannedStops stops(plan);
-  Playhead<double> playhead(plan.played(), *stops.bounds(), rate_hz);
+  Playhead playhead(plan.played(), *stops.bounds(), rate_hz);
   RecordedPlay record(plan, *stops.bounds(), tick_s);
   record.allow_steps_at(steps);
   ASSERT_TRUE(playhead.play(Direction::forward));
@@ -210,7 +209,7 @@ TEST(Playhead, WhereTheAccelerationStepsOnlyTheListedStepsExceedTheJerk) {
   for (; !playhead.is_resting(); ++ticks) {
     playhead.tick();
     record.take(playhead);
-    Playhead<double> stopped = playhead;
+    Playhead stopped = playhead;
     RecordedPlay stop = record;
     stopped.stop();
     while (!stopped.is_resting()) {
@@ -226,7 +225,7 @@ TEST(Playhead, WhereTheAccelerationStepsOnlyTheListedStepsExceedTheJerk) {
 
 TEST(Playhead, AStopAtEveryTickOfAStepToTheNextFrame) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.place_on(100));
   ASSERT_TRUE(playhead.step(Direction::forward));
   expect_stops_everywhere(bench, playhead);
@@ -234,7 +233,7 @@ TEST(Playhead, AStopAtEveryTickOfAStepToTheNextFrame) {
 
 TEST(Playhead, AStopAtEveryTickOfATravelAcrossTheMove) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.place_on(200));
   ASSERT_TRUE(playhead.go_to(40));
   expect_stops_everywhere(bench, playhead);
@@ -243,11 +242,11 @@ TEST(Playhead, AStopAtEveryTickOfATravelAcrossTheMove) {
 TEST(Playhead, AStopAtEveryTickOfAResumeAndOfASecondStop) {
   const Bench bench(bends());
   for (const int pause_at : {1500, 4000, 7000}) {
-    Playhead<double> playhead = bench.playhead();
+    Playhead playhead = bench.playhead();
     ASSERT_TRUE(playhead.play(Direction::forward));
     for (int i = 0; i < pause_at; ++i) playhead.tick();
     playhead.stop();
-    Playhead<double> stopping = playhead;
+    Playhead stopping = playhead;
     tick_until_rest(playhead);
     ASSERT_TRUE(playhead.play(Direction::forward));
     RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
@@ -261,7 +260,7 @@ TEST(Playhead, AStopAtEveryTickOfAResumeAndOfASecondStop) {
     // The stop is broken off and begun again at each of its ticks.
     for (int tick = 0; !stopping.is_resting(); ++tick) {
       stopping.tick();
-      Playhead<double> again = stopping;
+      Playhead again = stopping;
       if (again.is_resting()) break;
       ASSERT_TRUE(again.play(Direction::forward));
       RecordedPlay other(bench.plan, *bench.stops.bounds(), tick_s);
@@ -278,7 +277,7 @@ TEST(Playhead, AStopAtEveryTickOfAResumeAndOfASecondStop) {
 
 TEST(Playhead, APauseAndAResumeEndWhereTheMoveEnds) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   ASSERT_TRUE(playhead.play(Direction::forward));
   for (int i = 0; i < 4321; ++i) {
@@ -295,7 +294,7 @@ TEST(Playhead, APauseAndAResumeEndWhereTheMoveEnds) {
 
 TEST(Playhead, GoesToAFrameAndRestsOnItExactly) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   for (const std::int32_t frame : {100, 101, 99, 0, 240, 7}) {
     RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
     ASSERT_TRUE(playhead.go_to(frame));
@@ -319,7 +318,7 @@ TEST(Playhead, AStepFromBetweenTwoFramesGoesToTheOneOnThatSide) {
   const Bench bench(bends());
   for (const auto& [direction, frame] :
        {std::pair(Direction::forward, 11), std::pair(Direction::backward, 10)}) {
-    Playhead<double> playhead = bench.playhead();
+    Playhead playhead = bench.playhead();
     ASSERT_TRUE(playhead.go_to({10, 0.25}));
     EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::arrived);
     ASSERT_TRUE(playhead.step(direction));
@@ -330,7 +329,7 @@ TEST(Playhead, AStepFromBetweenTwoFramesGoesToTheOneOnThatSide) {
 
 TEST(Playhead, GoingToAFrameWhilePlayingStopsFirst) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   ASSERT_TRUE(playhead.play(Direction::forward));
   for (int i = 0; i < 4000; ++i) {
@@ -346,7 +345,7 @@ TEST(Playhead, GoingToAFrameWhilePlayingStopsFirst) {
 
 TEST(Playhead, ATurnIsAStopAndAStartTheOtherWay) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   ASSERT_TRUE(playhead.play(Direction::forward));
   for (int i = 0; i < 5000; ++i) {
@@ -361,7 +360,7 @@ TEST(Playhead, ATurnIsAStopAndAStartTheOtherWay) {
 
 TEST(Playhead, ToAndFroItTurnsAtTheEndsWithoutATick) {
   const Bench bench(bends("6, 10, 6, 10, 4"));
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   playhead.set_repeat(Repeat::ping_pong);
   ASSERT_TRUE(playhead.play(Direction::forward));
@@ -376,7 +375,7 @@ TEST(Playhead, ToAndFroItTurnsAtTheEndsWithoutATick) {
 
 TEST(Playhead, WhatATickPassesBeyondAnEndIsGoneBackInTheSameTick) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   constexpr double rate = 0.7;  // no whole number of ticks from end to end
   ASSERT_TRUE(playhead.set_override(rate));
   playhead.set_repeat(Repeat::ping_pong);
@@ -399,7 +398,7 @@ TEST(Playhead, ALoopThatWouldStepIsRefusedWithTheAxis) {
 
 TEST(Playhead, ALoopThatEndsWhereItStartsGoesRound) {
   const Bench bench(bends("0, 0, 10, 6, 10, 0, 0", "closed = true\n"));
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   ASSERT_TRUE(can_loop(bench.plan.motion()));
   playhead.set_repeat(Repeat::loop);
@@ -415,7 +414,7 @@ TEST(Playhead, ALoopThatEndsWhereItStartsGoesRound) {
 
 TEST(Playhead, TheOverrideSlowsWhatRunsAndIsCappedAtTheProvenRate) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   EXPECT_FALSE(playhead.set_override(1.01));
   EXPECT_FALSE(playhead.set_override(0));
@@ -436,7 +435,7 @@ TEST(Playhead, TheOverrideSlowsWhatRunsAndIsCappedAtTheProvenRate) {
 
 TEST(Playhead, FollowsATargetThatIsMovedAndRestsOnIt) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
   ASSERT_TRUE(playhead.scrub_to({120, 0.5}));
   for (int i = 0; i < 20'000 && !playhead.is_resting(); ++i) {
@@ -525,7 +524,7 @@ TEST(Playhead, ThatPlaysOnAfterAStopKeepsTheMotionLimits) {
 TEST(Playhead, AnOverrideKeepsTheMotionLimits) {
   for (const double rate : {1.0, 1.02}) {
     GentleBench bench(1.1, rate);
-    Playhead<double>& playhead = bench.staged.playhead();
+    Playhead& playhead = bench.staged.playhead();
     bench.play(1500);
     for (const double next : {0.6, rate, 0.3, 0.9, 0.05, rate}) {
       ASSERT_TRUE(playhead.set_override(next));
@@ -540,7 +539,7 @@ TEST(Playhead, AnOverrideKeepsTheMotionLimits) {
 
 TEST(Playhead, ThatFollowsATargetKeepsTheMotionLimits) {
   GentleBench bench(1.1);
-  Playhead<double>& playhead = bench.staged.playhead();
+  Playhead& playhead = bench.staged.playhead();
   bench.stop();
   for (const std::int32_t target : {120, 20, 235, 60}) {
     ASSERT_TRUE(playhead.scrub_to({target, 0.5}));
@@ -553,7 +552,7 @@ TEST(Playhead, ThatFollowsATargetKeepsTheMotionLimits) {
 
 TEST(Playhead, AStopThatIsTakenBackIsReleasedAndGoesOnWithinTheMotionLimits) {
   GentleBench bench(1.3);
-  Playhead<double>& playhead = bench.staged.playhead();
+  Playhead& playhead = bench.staged.playhead();
   bench.play(4000);
   playhead.stop();
   for (int i = 0; i < 40; ++i) playhead.tick();
@@ -569,7 +568,7 @@ TEST(Playhead, AStopThatIsTakenBackIsReleasedAndGoesOnWithinTheMotionLimits) {
 
 TEST(Playhead, AtItsEndThereIsNothingMoreToPlay) {
   const Bench bench(bends());
-  Playhead<double> playhead = bench.playhead();
+  Playhead playhead = bench.playhead();
   EXPECT_FALSE(playhead.play(Direction::backward));
   ASSERT_TRUE(playhead.place_on(240));
   EXPECT_FALSE(playhead.play(Direction::forward));

@@ -138,9 +138,9 @@ TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
   RigDrives drives(rig, hardware);
   for (std::size_t a = 0; a < 4; ++a) drives.place(a, 20 + static_cast<double>(a));
   drives.enable();
-  std::vector<DriveState<double>> states(4);
-  std::vector<Setpoint<double>> setpoints;
-  const auto is_on = [](const DriveState<double>& state) { return state.is_on; };
+  std::vector<DriveState> states(4);
+  std::vector<Setpoint> setpoints;
+  const auto is_on = [](const DriveState& state) { return state.is_on; };
   std::int64_t now_ns = 0;
   int ticks_on = 0;
   for (int tick = 0; tick < 3000 && ticks_on < 100; ++tick) {
@@ -154,7 +154,7 @@ TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
     }
     // Slowly to 0.125 further.
     if (ticks_on > 1 && ticks_on <= 51) {
-      for (Setpoint<double>& setpoint : setpoints) setpoint.position += 0.0025;
+      for (Setpoint& setpoint : setpoints) setpoint.position += 0.0025;
     }
     drives.write(setpoints, now_ns);
   }

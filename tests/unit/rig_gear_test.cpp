@@ -172,7 +172,7 @@ struct Played {
   RigFile rig;
   SimulatedHardware hardware;
   RigDrives drives{rig, hardware};
-  std::vector<DriveState<double>> states = std::vector<DriveState<double>>(1);
+  std::vector<DriveState> states = std::vector<DriveState>(1);
   std::int64_t now_ns = 0;
 
   Played(const std::string& text, double stands, const std::string& faults = "")
@@ -180,7 +180,7 @@ struct Played {
         hardware(rig, {stands},
                  faults.empty() ? FaultScript{} : parse_fault_script(faults, "faults.toml", rig)) {}
 
-  void tick(const std::vector<Setpoint<double>>& setpoints) {
+  void tick(const std::vector<Setpoint>& setpoints) {
     drives.read(states, now_ns += 4'000'000);
     drives.write(setpoints, now_ns);
   }

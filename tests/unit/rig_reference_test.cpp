@@ -84,8 +84,8 @@ struct Stage {
 };
 
 /// What drives tell that rest.
-std::vector<DriveState<double>> resting(const std::vector<double>& positions) {
-  std::vector<DriveState<double>> states;
+std::vector<DriveState> resting(const std::vector<double>& positions) {
+  std::vector<DriveState> states;
   for (const double position : positions) states.push_back({.actual = position, .is_on = true});
   return states;
 }
@@ -93,10 +93,10 @@ std::vector<DriveState<double>> resting(const std::vector<double>& positions) {
 /// The drives, tick by tick.
 struct Ticks {
   RigDrives& drives;
-  std::vector<DriveState<double>> states = std::vector<DriveState<double>>(4);
+  std::vector<DriveState> states = std::vector<DriveState>(4);
   std::int64_t now_ns = 0;
 
-  void tick(const std::vector<Setpoint<double>>& setpoints) {
+  void tick(const std::vector<Setpoint>& setpoints) {
     now_ns += 4'000'000;
     drives.read(states, now_ns);
     drives.write(setpoints, now_ns);
@@ -213,7 +213,7 @@ TEST(RigReference, AnAxisWhoseDriveIsOutOfReachIsLost) {
     RigReference reference = stage.reference();
     SimulatedHardware hardware(stage.rig, {120, 0, 0, -30});
     RigDrives drives(stage.rig, hardware);
-    std::vector<DriveState<double>> states = resting({120, 0, 0, -20});
+    std::vector<DriveState> states = resting({120, 0, 0, -20});
     states[swing].condition = DriveCondition::unreachable;
     reference.about_to_move(std::vector{swing});
     reference.at_rest(drives, states, false);

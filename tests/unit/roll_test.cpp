@@ -16,43 +16,30 @@ namespace roll_test {
 constexpr FrameRate film{24, 1};
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-template <class Real>
-class RollIn : public testing::Test {};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(RollIn, Precisions, PrecisionName);
-
-template <Precise Real>
-RollAxis<Real> pre_roll(const AxisMotion<Real>& joint, std::int32_t frames, FrameRate fps = film) {
-  return *RollAxis<Real>::make({RollEnd::before, 0, frames, fps}, joint);
+RollAxis pre_roll(const AxisMotion& joint, std::int32_t frames, FrameRate fps = film) {
+  return *RollAxis::make({RollEnd::before, 0, frames, fps}, joint);
 }
 
-template <Precise Real>
-RollAxis<Real> post_roll(const AxisMotion<Real>& joint, std::int32_t frames, std::int32_t last_frame = 240) {
-  return *RollAxis<Real>::make({RollEnd::after, last_frame, frames, film}, joint);
+RollAxis post_roll(const AxisMotion& joint, std::int32_t frames, std::int32_t last_frame = 240) {
+  return *RollAxis::make({RollEnd::after, last_frame, frames, film}, joint);
 }
 
-AxisLimits<double> limits_of(const AxisLimitsSpec<double>& spec) {
-  return *AxisLimits<double>::make(spec);
+AxisLimits limits_of(const AxisLimitsSpec& spec) {
+  return *AxisLimits::make(spec);
 }
 
-AxisLimits<double> wide(double max_velocity, double max_acceleration) {
+AxisLimits wide(double max_velocity, double max_acceleration) {
   return limits_of(
       {.min = -1e6, .max = 1e6, .max_velocity = max_velocity, .max_acceleration = max_acceleration});
 }
 
 /// The axes of a machine on the frame where roll and move meet.
 struct Machine {
-  std::vector<AxisMotion<double>> joints;
-  std::vector<AxisLimits<double>> limits;
+  std::vector<AxisMotion> joints;
+  std::vector<AxisLimits> limits;
 
-  RollRequest<double> before() const { return {RollEnd::before, 0, film, joints, limits}; }
-  RollRequest<double> after(std::int32_t last_frame) const {
+  RollRequest before() const { return {RollEnd::before, 0, film, joints, limits}; }
+  RollRequest after(std::int32_t last_frame) const {
     return {RollEnd::after, last_frame, film, joints, limits};
   }
 };
@@ -63,37 +50,36 @@ bool says(const char* text, const std::string& word) {
 
 // --- one axis
 
-TYPED_TEST(RollIn, AnAxisThatRestsStaysWhereItIs) {
-  const auto roll = post_roll<TypeParam>({.position = TypeParam(0.1)}, 7);
+TEST(Roll, AnAxisThatRestsStaysWhereItIs) {
+  const auto roll = post_roll({.position = double(0.1)}, 7);
   for (const std::int32_t frame : {240, 243, 247, 300}) {
-    const AxisMotion<TypeParam> at = roll.motion({frame, 0});
-    EXPECT_EQ(at.position, TypeParam(0.1));
+    const AxisMotion at = roll.motion({frame, 0});
+    EXPECT_EQ(at.position, double(0.1));
     EXPECT_EQ(at.velocity, 0);
     EXPECT_EQ(at.acceleration, 0);
     EXPECT_EQ(at.jerk, 0);
   }
-  const AxisPeaks<TypeParam> peaks = roll.peaks();
-  EXPECT_EQ(peaks.lowest.value, TypeParam(0.1));
-  EXPECT_EQ(peaks.highest.value, TypeParam(0.1));
+  const AxisPeaks peaks = roll.peaks();
+  EXPECT_EQ(peaks.lowest.value, double(0.1));
+  EXPECT_EQ(peaks.highest.value, double(0.1));
   EXPECT_EQ(peaks.velocity.value, 0);
   EXPECT_EQ(peaks.acceleration.value, 0);
   EXPECT_EQ(peaks.jerk.value, 0);
 }
 
-TYPED_TEST(RollIn, JoinsTheMoveToTheLastBitAndRestsExactly) {
-  const AxisMotion<TypeParam> joint{TypeParam(1234.1), TypeParam(-0.7), TypeParam(3.3), 0};
+TEST(Roll, JoinsTheMoveToTheLastBitAndRestsExactly) {
+  const AxisMotion joint{double(1234.1), double(-0.7), double(3.3), 0};
   for (const std::int32_t frames : {1, 3, 7, 49, 1001}) {
     for (const auto& roll : {pre_roll(joint, frames), post_roll(joint, frames)}) {
       const RollSpan span = roll.span();
-      for (const AxisMotion<TypeParam>& at :
-           {roll.motion({span.joint_frame, 0}), roll.motion_at_seconds(0)}) {
+      for (const AxisMotion& at : {roll.motion({span.joint_frame, 0}), roll.motion_at_seconds(0)}) {
         EXPECT_EQ(at.position, joint.position);
         EXPECT_EQ(at.velocity, joint.velocity);
         EXPECT_EQ(at.acceleration, joint.acceleration);
       }
       const std::int32_t away = span.end == RollEnd::before ? -frames : frames;
-      const TypeParam seconds = span.end == RollEnd::before ? -roll.seconds() : roll.seconds();
-      for (const AxisMotion<TypeParam>& at :
+      const double seconds = span.end == RollEnd::before ? -roll.seconds() : roll.seconds();
+      for (const AxisMotion& at :
            {roll.motion({span.joint_frame + away, 0}), roll.motion_at_seconds(seconds)}) {
         EXPECT_EQ(at.velocity, 0);
         EXPECT_EQ(at.acceleration, 0);
@@ -103,17 +89,15 @@ TYPED_TEST(RollIn, JoinsTheMoveToTheLastBitAndRestsExactly) {
   }
 }
 
-TYPED_TEST(RollIn, HoldsStillBeyondTheFarEnd) {
-  const auto before = pre_roll<TypeParam>({.position = 1, .velocity = 2, .acceleration = 3}, 10);
-  const auto after = post_roll<TypeParam>({.position = 1, .velocity = 2, .acceleration = 3}, 10);
-  for (const AxisMotion<TypeParam>& at :
-       {before.motion({-11, TypeParam(0.5)}), before.motion_at_seconds(TypeParam(-0.5))}) {
+TEST(Roll, HoldsStillBeyondTheFarEnd) {
+  const auto before = pre_roll({.position = 1, .velocity = 2, .acceleration = 3}, 10);
+  const auto after = post_roll({.position = 1, .velocity = 2, .acceleration = 3}, 10);
+  for (const AxisMotion& at : {before.motion({-11, double(0.5)}), before.motion_at_seconds(double(-0.5))}) {
     EXPECT_EQ(at.position, before.rest_position());
     EXPECT_EQ(at.velocity, 0);
     EXPECT_EQ(at.jerk, 0);
   }
-  for (const AxisMotion<TypeParam>& at :
-       {after.motion({250, TypeParam(0.5)}), after.motion_at_seconds(TypeParam(0.5))}) {
+  for (const AxisMotion& at : {after.motion({250, double(0.5)}), after.motion_at_seconds(double(0.5))}) {
     EXPECT_EQ(at.position, after.rest_position());
     EXPECT_EQ(at.velocity, 0);
     EXPECT_EQ(at.jerk, 0);
@@ -122,7 +106,7 @@ TYPED_TEST(RollIn, HoldsStillBeyondTheFarEnd) {
 
 TEST(Roll, FromRestToASteadySpeedIsTheQuarticThatPaperAndPencilGive) {
   // 12 unit/s in one second: p = 100 + 12 t - 12 t^3 - 6 t^4.
-  const auto roll = pre_roll<double>({.position = 100, .velocity = 12}, 24);
+  const auto roll = pre_roll({.position = 100, .velocity = 12}, 24);
   EXPECT_EQ(roll.seconds(), 1);
   const std::array<double, 5> c = roll.coefficients();
   EXPECT_EQ(c[0], 100);
@@ -131,12 +115,12 @@ TEST(Roll, FromRestToASteadySpeedIsTheQuarticThatPaperAndPencilGive) {
   EXPECT_DOUBLE_EQ(c[3], -12);
   EXPECT_DOUBLE_EQ(c[4], -6);
   EXPECT_DOUBLE_EQ(roll.rest_position(), 94);
-  const AxisMotion<double> half = roll.motion({-12, 0});
+  const AxisMotion half = roll.motion({-12, 0});
   EXPECT_DOUBLE_EQ(half.position, 100 - 6 + 1.5 - 0.375);
   EXPECT_DOUBLE_EQ(half.velocity, 6);
   EXPECT_DOUBLE_EQ(half.acceleration, 18);
   EXPECT_NEAR(half.jerk, 0, 1e-13);
-  const AxisPeaks<double> peaks = roll.peaks();
+  const AxisPeaks peaks = roll.peaks();
   EXPECT_NEAR(peaks.lowest.value, 94, 1e-10);
   EXPECT_EQ(peaks.highest.value, 100);
   EXPECT_EQ(peaks.velocity.value, 12);
@@ -145,12 +129,12 @@ TEST(Roll, FromRestToASteadySpeedIsTheQuarticThatPaperAndPencilGive) {
   EXPECT_NEAR(peaks.jerk.value, 72, 1e-11);
 }
 
-TYPED_TEST(RollIn, ThePostRollIsTheMirrorImageOfAPreRoll) {
-  const auto before = pre_roll<TypeParam>({TypeParam(3.5), TypeParam(1.7), TypeParam(0.9), 0}, 31);
-  const auto after = post_roll<TypeParam>({TypeParam(3.5), TypeParam(-1.7), TypeParam(0.9), 0}, 31);
+TEST(Roll, ThePostRollIsTheMirrorImageOfAPreRoll) {
+  const auto before = pre_roll({double(3.5), double(1.7), double(0.9), 0}, 31);
+  const auto after = post_roll({double(3.5), double(-1.7), double(0.9), 0}, 31);
   for (std::int32_t i = 0; i <= 31; ++i) {
-    const AxisMotion<TypeParam> a = before.motion({-i, 0});
-    const AxisMotion<TypeParam> b = after.motion({240 + i, 0});
+    const AxisMotion a = before.motion({-i, 0});
+    const AxisMotion b = after.motion({240 + i, 0});
     EXPECT_EQ(a.position, b.position);
     EXPECT_EQ(a.velocity, -b.velocity);
     EXPECT_EQ(a.acceleration, b.acceleration);
@@ -162,10 +146,10 @@ TYPED_TEST(RollIn, ThePostRollIsTheMirrorImageOfAPreRoll) {
 
 TEST(Roll, FramesAndSecondsMeanTheSamePlace) {
   const FrameRate ntsc{24000, 1001};
-  const AxisMotion<double> joint{.position = 10, .velocity = 4, .acceleration = -3};
+  const AxisMotion joint{.position = 10, .velocity = 4, .acceleration = -3};
   const auto before = pre_roll(joint, 12, ntsc);
   EXPECT_NEAR(before.seconds(), 12 * 1001.0 / 24000, 1e-15);
-  const auto after = *RollAxis<double>::make({RollEnd::after, 100, 12, ntsc}, joint);
+  const auto after = *RollAxis::make({RollEnd::after, 100, 12, ntsc}, joint);
   for (const double frames : {0.25, 3.0, 6.5, 11.75}) {
     const double seconds = frames * 1001 / 24000;
     const double down = std::floor(-frames);
@@ -181,7 +165,7 @@ TEST(Roll, FramesAndSecondsMeanTheSamePlace) {
 
 TEST(Roll, AMoveThatStartsBrakingIsReachedFromAHigherSpeed) {
   // v = 1, a = -6, T = 1: the speed is u^2 (9 - 8 u), largest at u = 3/4.
-  const auto peaks = pre_roll<double>({.position = 0, .velocity = 1, .acceleration = -6}, 24).peaks();
+  const auto peaks = pre_roll({.position = 0, .velocity = 1, .acceleration = -6}, 24).peaks();
   EXPECT_NEAR(peaks.velocity.value, 1.6875, 1e-12);
   EXPECT_NEAR(peaks.velocity.frame, -6, 1e-12);
 }
@@ -189,7 +173,7 @@ TEST(Roll, AMoveThatStartsBrakingIsReachedFromAHigherSpeed) {
 TEST(Roll, AMoveThatStartsSlowlyButPushedHardIsReachedByBackingUp) {
   // v = 1, a = 8, T = 1: the speed is u^2 (6 u - 5), so the axis turns at u = 5/6 and rests 1/6 above the
   // joint.
-  const auto peaks = pre_roll<double>({.position = 0, .velocity = 1, .acceleration = 8}, 24).peaks();
+  const auto peaks = pre_roll({.position = 0, .velocity = 1, .acceleration = 8}, 24).peaks();
   EXPECT_NEAR(peaks.highest.value, 1.0 / 6, 1e-12);
   EXPECT_EQ(peaks.highest.frame, -24);
   const double turn = 5.0 / 6;
@@ -200,19 +184,19 @@ TEST(Roll, AMoveThatStartsSlowlyButPushedHardIsReachedByBackingUp) {
 }
 
 TEST(Roll, PeaksCarryTheFrameNumbersOfTheMove) {
-  const auto before = pre_roll<double>({.position = 5, .velocity = 10}, 48).peaks();
+  const auto before = pre_roll({.position = 5, .velocity = 10}, 48).peaks();
   EXPECT_EQ(before.lowest.frame, -48);
   EXPECT_EQ(before.highest.frame, 0);
-  const auto after = post_roll<double>({.position = 5, .velocity = 10}, 48, 240).peaks();
+  const auto after = post_roll({.position = 5, .velocity = 10}, 48, 240).peaks();
   EXPECT_EQ(after.highest.frame, 288);
   EXPECT_EQ(after.lowest.frame, 240);
   EXPECT_DOUBLE_EQ(after.acceleration.frame, 264);
 }
 
 TEST(Roll, WhatDoesNotMakeARollIsRefused) {
-  const AxisMotion<double> joint{.position = 0, .velocity = 1};
-  const auto refusal = [&](const RollSpan& span, const AxisMotion<double>& at) {
-    const auto roll = RollAxis<double>::make(span, at);
+  const AxisMotion joint{.position = 0, .velocity = 1};
+  const auto refusal = [&](const RollSpan& span, const AxisMotion& at) {
+    const auto roll = RollAxis::make(span, at);
     EXPECT_FALSE(roll.has_value());
     return roll.has_value() ? ErrorCode{} : roll.error().code;
   };
@@ -274,8 +258,7 @@ TEST(RollFrames, ASpeedThatIsTheLimitIsNoBreach) {
 }
 
 TEST(RollFrames, TooLittleRoomBeforeTheFirstKeyIsRefusedWithAxisAndPlace) {
-  const AxisLimits<double> slider =
-      limits_of({.min = 0, .max = 1500, .max_velocity = 500, .max_acceleration = 810});
+  const AxisLimits slider = limits_of({.min = 0, .max = 1500, .max_velocity = 500, .max_acceleration = 810});
   const Machine machine{{{.position = 3}, {.position = 100, .velocity = 400}}, {slider, slider}};
   const auto frames = roll_frames(machine.before());
   ASSERT_FALSE(frames.has_value());
@@ -370,10 +353,9 @@ TEST(RollFrames, ARollOfMinutesIsRefused) {
 }
 
 TEST(RollFrames, AMoveThatItselfBreaksALimitAtTheJointIsRefusedForThat) {
-  const AxisLimits<double> limits =
-      limits_of({.min = 0, .max = 10, .max_velocity = 2, .max_acceleration = 3});
+  const AxisLimits limits = limits_of({.min = 0, .max = 10, .max_velocity = 2, .max_acceleration = 3});
   struct Case {
-    AxisMotion<double> joint;
+    AxisMotion joint;
     RollQuantity quantity;
     std::string before, after;
   };
@@ -399,8 +381,7 @@ TEST(RollFrames, AMoveThatItselfBreaksALimitAtTheJointIsRefusedForThat) {
 }
 
 TEST(RollFrames, ARestingAxisOutsideItsRangeIsSeen) {
-  const AxisLimits<double> limits =
-      limits_of({.min = 0, .max = 10, .max_velocity = 2, .max_acceleration = 3});
+  const AxisLimits limits = limits_of({.min = 0, .max = 10, .max_velocity = 2, .max_acceleration = 3});
   const Machine machine{{{.position = 5, .velocity = 1}, {.position = 11}}, {limits, limits}};
   EXPECT_EQ(roll_frames(machine.before()).error().axis, 1);
 }
@@ -415,7 +396,7 @@ TEST(RollFrames, EveryMovingAxisNeedsItsLimits) {
 TEST(RollFrames, AFrameRateIsNeeded) {
   const Machine machine{{{.position = 0, .velocity = 1}}, {wide(1, 1)}};
   for (const FrameRate fps : {FrameRate{0, 1}, FrameRate{24, 0}, FrameRate{-24, 1}}) {
-    const RollRequest<double> request{RollEnd::before, 0, fps, machine.joints, machine.limits};
+    const RollRequest request{RollEnd::before, 0, fps, machine.joints, machine.limits};
     EXPECT_EQ(roll_frames(request).error().code, ErrorCode::out_of_range);
   }
 }

@@ -81,8 +81,8 @@ TEST(Run, TheFollowingErrorIsTheLargestStepOfATick) {
   for (std::int64_t tick = 1; tick < 52; ++tick) {
     double before = 0;
     double now = 0;
-    played.positions(frame_time_of_tick<double>(tick - 1, {24000, 1001}, 100), {&before, 1});
-    played.positions(frame_time_of_tick<double>(tick, {24000, 1001}, 100), {&now, 1});
+    played.positions(frame_time_of_tick(tick - 1, {24000, 1001}, 100), {&before, 1});
+    played.positions(frame_time_of_tick(tick, {24000, 1001}, 100), {&now, 1});
     largest = std::max(largest, now - before);
   }
   EXPECT_EQ(play_fast(plan).axes[1].following_error_peak, largest);

@@ -24,17 +24,17 @@ using Trouble = DriveTrouble::Kind;
 
 // --- the watch alone
 
-constexpr WatchBounds<double> bounds{.min = -100,
-                                     .max = 100,
-                                     .max_velocity = 50,
-                                     .stop_acceleration = 100,
-                                     .max_following_error = 5,
-                                     .in_position = 0.5,
-                                     .rest = 0.1};
+constexpr WatchBounds bounds{.min = -100,
+                             .max = 100,
+                             .max_velocity = 50,
+                             .stop_acceleration = 100,
+                             .max_following_error = 5,
+                             .in_position = 0.5,
+                             .rest = 0.1};
 constexpr std::int64_t tick_ns = 4'000'000;
 
 struct Watched {
-  AxisWatch<double> watch{bounds};
+  AxisWatch watch{bounds};
   std::int64_t now_ns = 0;
   double place = 0;
   /// At this speed for so many ticks.
@@ -308,8 +308,8 @@ TYPED_TEST(RunawayOnABus, NoMoveWithinItsLimitsIsTakenForOne) {
     const int ticks = static_cast<int>(2 * 3.14159265358979 / omega / 0.004);
     for (int tick = 0; tick < std::min(ticks, 1500); ++tick) {
       const double s = tick * 0.004;
-      axis.tick(Setpoint<double>{.position = axis.from + way * (1 - std::cos(omega * s)),
-                                 .velocity = way * omega * std::sin(omega * s)});
+      axis.tick(Setpoint{.position = axis.from + way * (1 - std::cos(omega * s)),
+                         .velocity = way * omega * std::sin(omega * s)});
       ASSERT_EQ(axis.worst, DriveCondition::fine)
           << "tick " << tick << ", way " << way << ", omega " << omega << ", lag " << lag_ns << ": "
           << (axis.host().first_finding() ? can::words_of(*axis.host().first_finding()).what : "");

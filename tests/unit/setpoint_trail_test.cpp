@@ -15,12 +15,12 @@ std::int64_t ms(double milliseconds) {
 /// t^3 - 2 t^2 + 3 t - 4, which one polynomial of the fifth degree joins exactly.
 TEST(SetpointTrail, IsExactlyWhereAnAxisOfEvenJerkWas) {
   const auto at = [](double t) {
-    return Setpoint<double>{((t - 2) * t + 3) * t - 4, (3 * t - 4) * t + 3, 6 * t - 4};
+    return Setpoint{((t - 2) * t + 3) * t - 4, (3 * t - 4) * t + 3, 6 * t - 4};
   };
-  SetpointTrail<double> trail;
+  SetpointTrail trail;
   EXPECT_EQ(trail.position_at(0), std::nullopt);
   for (int i = 0; i <= 20; ++i) trail.push(ms(100 * i), at(0.1 * i));
-  const double oldest = 100 * (20 - static_cast<double>(SetpointTrail<double>::capacity) + 1);
+  const double oldest = 100 * (20 - static_cast<double>(SetpointTrail::capacity) + 1);
   EXPECT_EQ(trail.position_at(ms(oldest) - 1), std::nullopt);
   EXPECT_EQ(trail.position_at(ms(2000) + 1), std::nullopt);
   for (int i = 0; oldest + 7 * i <= 2000; ++i) {
@@ -35,10 +35,10 @@ TEST(SetpointTrail, IsExactlyWhereAnAxisOfEvenJerkWas) {
 
 /// t^4 and t^5 are told apart from their chord and their cubic.
 TEST(SetpointTrail, IsTheQuinticBetweenItsEnds) {
-  SetpointTrail<double> trail;
+  SetpointTrail trail;
   const auto at = [](double t) {
-    return Setpoint<double>{std::pow(t, 5) - std::pow(t, 4), 5 * std::pow(t, 4) - 4 * std::pow(t, 3),
-                            20 * std::pow(t, 3) - 12 * t * t};
+    return Setpoint{std::pow(t, 5) - std::pow(t, 4), 5 * std::pow(t, 4) - 4 * std::pow(t, 3),
+                    20 * std::pow(t, 3) - 12 * t * t};
   };
   trail.push(ms(500), at(0.5));
   trail.push(ms(1500), at(1.5));

@@ -19,7 +19,7 @@ struct Ride {
 
   void go(double velocity, int ticks) {
     for (int i = 0; i < ticks; ++i) {
-      const Setpoint<double> next{at.position + velocity * 0.004, velocity, 0};
+      const Setpoint next{at.position + velocity * 0.004, velocity, 0};
       there.move(now_ns, {at.position, velocity, 0}, now_ns + tick_ns, next, events);
       at = next;
       now_ns += tick_ns;
@@ -27,7 +27,7 @@ struct Ride {
   }
 
   SimulatedSwitch there;
-  Setpoint<double> at;
+  Setpoint at;
   std::int64_t now_ns = 1'000'000'000;
   std::vector<LineEvent> events;
 };
@@ -61,7 +61,7 @@ TEST(SimulatedSwitch, FacesTheOtherWayAndWithTheOtherLevel) {
 TEST(SimulatedSwitch, TheTimeOfAnEdgeIsThatOfTheCurvedMotion) {
   SimulatedSwitch there({.closes = 1.0}, 0, 1);
   std::vector<LineEvent> events;
-  const auto at = [](double t) { return Setpoint<double>{400 * t * t * t / 3, 400 * t * t, 800 * t}; };
+  const auto at = [](double t) { return Setpoint{400 * t * t * t / 3, 400 * t * t, 800 * t}; };
   for (int i = 0; i < 60; ++i) {
     there.move(i * tick_ns, at(i * 0.004), (i + 1) * tick_ns, at((i + 1) * 0.004), events);
   }

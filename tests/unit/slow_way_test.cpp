@@ -31,8 +31,8 @@ Plan example() {
 }
 
 /// The axes of a way, tick by tick until it rests.
-std::vector<std::vector<Setpoint<double>>> played(SlowWay& way, int stopped_at = -1) {
-  std::vector<std::vector<Setpoint<double>>> ticks;
+std::vector<std::vector<Setpoint>> played(SlowWay& way, int stopped_at = -1) {
+  std::vector<std::vector<Setpoint>> ticks;
   while (!way.is_resting()) {
     if (static_cast<int>(ticks.size()) == stopped_at) way.stop();
     way.tick(0, ticks.emplace_back(way.axes().size()));
@@ -41,8 +41,8 @@ std::vector<std::vector<Setpoint<double>>> played(SlowWay& way, int stopped_at =
 }
 
 /// The highest of the n-th differences of an axis from tick `from` on, in unit/s^n.
-double highest_difference(const std::vector<std::vector<Setpoint<double>>>& ticks, std::size_t axis,
-                          int order, std::size_t from = 0) {
+double highest_difference(const std::vector<std::vector<Setpoint>>& ticks, std::size_t axis, int order,
+                          std::size_t from = 0) {
   std::vector<double> values;
   for (std::size_t i = from; i < ticks.size(); ++i) values.push_back(ticks[i][axis].position);
   for (int i = 0; i < order; ++i) {

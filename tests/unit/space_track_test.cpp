@@ -168,7 +168,7 @@ TEST(SpaceTrack, TheCraneCarriesItsCameraAlongThePathAndLooksAtThePuppet) {
 class AimWatch {
  public:
   explicit AimWatch(const Plan& plan) : plan_(plan), positions_(plan.played().axis_count()) {}
-  void take(const Playhead<double>& playhead) {
+  void take(const Playhead& playhead) {
     plan_.motion().positions(playhead.time(), positions_);
     std::vector<double> axes(positions_.size());
     for (std::size_t d = 0; d < axes.size(); ++d) axes[plan_.axis_of(d)] = positions_[d];
@@ -192,7 +192,7 @@ class AimWatch {
 void expect_aim_in_stops(const Plan& plan, const char* what) {
   const PlannedStops stops(plan);
   ASSERT_TRUE(stops.bounds());
-  Playhead<double> playhead(plan.played(), *stops.bounds(), plan.rig()->rate_hz);
+  Playhead playhead(plan.played(), *stops.bounds(), plan.rig()->rate_hz);
   AimWatch watch(plan);
   const auto run = [&](int ticks) {
     for (int i = 0; i < ticks && !(i > 0 && playhead.is_resting()); ++i) {

@@ -33,21 +33,21 @@ Plan plan_of(const std::string& spline) {
 
 TEST(MotionSamples, AreTheSharesOfTheMotion) {
   const Plan plan = plan_of("smooth");
-  const Track<double>& track = plan.tracks()[0].track();
+  const Track& track = plan.tracks()[0].track();
   MotionSamples samples(track, plan.rig()->axes, 0, {});
   samples.evaluate(ControlCurve(drawn));
   constexpr std::array<double, 3> limits = {200, 700, 9000};
-  std::vector<AxisMotion<double>> motion(2);
+  std::vector<AxisMotion> motion(2);
   int compared = 0;
   for (const Moment& moment : samples.moments()) {
     const double frame = (moment.place.span + moment.place.t) * 96 / 7;
-    const FrameTime<double> time{static_cast<std::int32_t>(frame), frame - std::floor(frame)};
+    const FrameTime time{static_cast<std::int32_t>(frame), frame - std::floor(frame)};
     const double t = track.locate(time).t;
     if (t < 1e-4 || t > 1 - 1e-4) continue;  // on which side of a key, rounding decides
     track.motion(time, motion);
     for (std::size_t i = moment.first; i < moment.end; ++i) {
       const LimitedValue& value = samples.values()[i];
-      const AxisMotion<double>& axis = motion[value.axis];
+      const AxisMotion& axis = motion[value.axis];
       const std::array<double, 3> rates = {axis.velocity, axis.acceleration, axis.jerk};
       const auto q = static_cast<std::size_t>(value.quantity);
       EXPECT_NEAR(value.share, rates.at(q) / limits.at(q), 1e-4) << q << " at frame " << frame;

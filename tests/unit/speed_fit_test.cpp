@@ -68,7 +68,7 @@ Plan written(const std::string& move, const SpeedFit& fit, const Limits& limits)
 }
 
 double area_per_span(const Plan& plan) {
-  const SpeedProfile<double>& profile = plan.tracks()[0].track().profile();
+  const SpeedProfile& profile = plan.tracks()[0].track().profile();
   return profile.total_integral() / profile.span_count();
 }
 
@@ -179,7 +179,7 @@ TEST(SpeedFit, EasedKeysWithoutAFrameAreMetWhenTheLimitsWantItAndThoseWithOneSta
     ASSERT_TRUE(fit.found) << fit.reason;
     const Plan after = written(move, fit, limits);
     EXPECT_TRUE(check(after).fits());
-    const KeyTiming<double>& timing = *after.tracks()[0].key_timing();
+    const KeyTiming& timing = *after.tracks()[0].key_timing();
     EXPECT_LT(timing.largest_change, 1e-6) << "reading it again changes nothing";
     std::vector<double> at(2);
     for (const KeyLock& lock : timing.locks) {
@@ -351,10 +351,10 @@ TEST(SpeedFit, ProgressNeverFallsAndEndsBelowOne) {
 /// Largest over smallest acceleration across the path, v^2 times curvature, where an ellipse is travelled at
 /// full speed.
 double unevenness(const Plan& plan) {
-  const Track<double>& track = plan.tracks()[0].track();
+  const Track& track = plan.tracks()[0].track();
   double largest = 0;
   double smallest = 1e300;
-  std::vector<AxisMotion<double>> at(2);
+  std::vector<AxisMotion> at(2);
   for (std::int32_t frame = track.frames() / 4; frame <= track.frames() * 3 / 4; ++frame) {
     track.motion({frame, 0}, at);
     const double speed = std::hypot(at[0].velocity, at[1].velocity);

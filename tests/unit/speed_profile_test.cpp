@@ -17,44 +17,31 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// A curve with the memory it stands in.
-template <Precise Real>
 class DrawnCurve {
  public:
-  explicit DrawnCurve(const std::vector<Real>& values)
-      : result_(SpeedProfile<Real>::make(values, storage_.memory())) {}
+  explicit DrawnCurve(const std::vector<double>& values)
+      : result_(SpeedProfile::make(values, storage_.memory())) {}
   DrawnCurve(const DrawnCurve&) = delete;
   DrawnCurve& operator=(const DrawnCurve&) = delete;
 
-  const SpeedProfile<Real>& operator*() const { return *result_; }
-  const SpeedProfile<Real>* operator->() const { return &*result_; }
-  const Result<SpeedProfile<Real>>& result() const { return result_; }
+  const SpeedProfile& operator*() const { return *result_; }
+  const SpeedProfile* operator->() const { return &*result_; }
+  const Result<SpeedProfile>& result() const { return result_; }
 
  private:
-  SpeedProfileStorage<Real, 16> storage_;
-  Result<SpeedProfile<Real>> result_;
+  SpeedProfileStorage<16> storage_;
+  Result<SpeedProfile> result_;
 };
-
-struct PrecisionName {
-  template <class Real>
-  static std::string GetName(int) {
-    return std::is_same_v<Real, double> ? "double" : "float";
-  }
-};
-
-template <class Real>
-class SpeedProfileIn : public testing::Test {};
-using Precisions = testing::Types<double, float>;
-TYPED_TEST_SUITE(SpeedProfileIn, Precisions, PrecisionName);
 
 // --- the curve
 
 /// Against a natural curve through three turns of the same values, whose ends are far away.
 TEST(SpeedProfile, APeriodicCurveGoesOnFromItsEndToItsBeginning) {
   const std::vector<double> values = {3, 8, 1, 12, 3};
-  SpeedProfileStorage<double, 16> storage;
-  const auto curve = SpeedProfile<double>::make(values, storage.memory(), CurveEnds::periodic);
+  SpeedProfileStorage<16> storage;
+  const auto curve = SpeedProfile::make(values, storage.memory(), CurveEnds::periodic);
   ASSERT_TRUE(curve);
-  const DrawnCurve<double> unrolled({3, 8, 1, 12, 3, 8, 1, 12, 3, 8, 1, 12, 3});
+  const DrawnCurve unrolled({3, 8, 1, 12, 3, 8, 1, 12, 3, 8, 1, 12, 3});
   for (const double a : {0.0, 0.25, 1.0, 1.7, 2.5, 3.0, 3.9, 4.0}) {
     EXPECT_NEAR(curve->value(a), unrolled->value(4 + a), 1e-14) << a;
     EXPECT_NEAR(curve->derivative(a), unrolled->derivative(4 + a), 1e-13) << a;
@@ -63,7 +50,7 @@ TEST(SpeedProfile, APeriodicCurveGoesOnFromItsEndToItsBeginning) {
   EXPECT_NEAR(curve->value(0), curve->value(4), 1e-14);
   EXPECT_NEAR(curve->second(0), curve->second(4), 1e-13);
   const std::vector<double> open = {3, 8, 1};
-  const auto refused = SpeedProfile<double>::make(open, storage.memory(), CurveEnds::periodic);
+  const auto refused = SpeedProfile::make(open, storage.memory(), CurveEnds::periodic);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().control_value, 2);
 }
@@ -73,13 +60,13 @@ TEST(SpeedProfile, RefinedAPeriodicCurveIsTheSameCurve) {
     const std::size_t f = drawn.size() - 1;
     std::vector<double> fine = drawn;
     fine.resize(2 * f + 1);
-    refine_control_values<double>(fine, f, CurveEnds::periodic);
+    refine_control_values(fine, f, CurveEnds::periodic);
     EXPECT_EQ(fine.front(), fine.back());
     for (std::size_t i = 0; i < 2 * f; ++i) {
       for (const double t : {0.0, 0.3, 0.9}) {
-        const double of_fine = speed_span<double>(fine, i, CurveEnds::periodic).value(t);
+        const double of_fine = speed_span(fine, i, CurveEnds::periodic).value(t);
         const double half = (static_cast<double>(i % 2) + t) / 2;
-        EXPECT_NEAR(of_fine, speed_span<double>(drawn, i / 2, CurveEnds::periodic).value(half), 1e-14) << i;
+        EXPECT_NEAR(of_fine, speed_span(drawn, i / 2, CurveEnds::periodic).value(half), 1e-14) << i;
       }
     }
   }
@@ -89,15 +76,15 @@ TEST(SpeedProfile, APeriodicCurveRestsWhereThreeValuesInARowAreZeroAlsoAcrossIts
   const std::vector<double> across = {0, 0, 5, 5, 5, 0, 0};
   const std::vector<double> two = {0, 0, 5, 5, 5, 5, 0};
   for (std::size_t i = 0; i < 7; ++i) {
-    EXPECT_EQ(is_rest<double>(across, i, CurveEnds::periodic), across[i] == 0) << i;
-    EXPECT_FALSE(is_rest<double>(two, i, CurveEnds::periodic)) << i;
-    EXPECT_EQ(is_rest<double>(two, i), i <= 1) << "with natural ends " << i;
+    EXPECT_EQ(is_rest(across, i, CurveEnds::periodic), across[i] == 0) << i;
+    EXPECT_FALSE(is_rest(two, i, CurveEnds::periodic)) << i;
+    EXPECT_EQ(is_rest(two, i), i <= 1) << "with natural ends " << i;
   }
 }
 
 TEST(SpeedProfile, OneRaisedValueGivesTheBellThatPaperAndPencilGive) {
   // phi = 6 t - 2 t^3 up to the middle, and its mirror image after it.
-  const DrawnCurve<double> curve({0, 6, 0});
+  const DrawnCurve curve({0, 6, 0});
   EXPECT_EQ(curve->span_count(), 2);
   EXPECT_EQ(curve->value(0), 0);
   EXPECT_DOUBLE_EQ(curve->value(0.5), 2.75);
@@ -118,7 +105,7 @@ TEST(SpeedProfile, OneRaisedValueGivesTheBellThatPaperAndPencilGive) {
 }
 
 TEST(SpeedProfile, TheFirstSpanIsTheStatedMeanOfThreeValues) {
-  const DrawnCurve<double> curve({7, 1, 30, 2});
+  const DrawnCurve curve({7, 1, 30, 2});
   for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     const double cube = t * t * t / 6;
     EXPECT_DOUBLE_EQ(curve->value(t), (1 - t + cube) * 7 + (t - 2 * cube) * 1 + cube * 30) << t;
@@ -126,45 +113,42 @@ TEST(SpeedProfile, TheFirstSpanIsTheStatedMeanOfThreeValues) {
 }
 
 TEST(SpeedProfile, AnInnerKnotIsASixthFourSixthsASixth) {
-  const DrawnCurve<double> curve({3, 9, 30, 6, 12});
+  const DrawnCurve curve({3, 9, 30, 6, 12});
   EXPECT_DOUBLE_EQ(curve->value(1), (3 + 4 * 9 + 30) / 6.0);
   EXPECT_DOUBLE_EQ(curve->value(2), (9 + 4 * 30 + 6) / 6.0);
   EXPECT_DOUBLE_EQ(curve->value(3), (30 + 4 * 6 + 12) / 6.0);
 }
 
-TYPED_TEST(SpeedProfileIn, BeginsAndEndsOnItsControlValuesToTheLastBit) {
-  using Real = TypeParam;
-  const std::vector<Real> values{Real(0.1), Real(33.3), Real(0.7), Real(99.9), Real(12.3)};
-  const DrawnCurve<Real> curve(values);
+TEST(SpeedProfile, BeginsAndEndsOnItsControlValuesToTheLastBit) {
+  const std::vector<double> values{0.1, 33.3, 0.7, 99.9, 12.3};
+  const DrawnCurve curve(values);
   EXPECT_EQ(curve->value(0), values.front());
   EXPECT_EQ(curve->value(4), values.back());
 }
 
-TYPED_TEST(SpeedProfileIn, HasNaturalEnds) {
-  using Real = TypeParam;
-  const DrawnCurve<Real> curve({10, 2, 30, 4, 50});
-  const Real rounding = 400 * std::numeric_limits<Real>::epsilon();
+TEST(SpeedProfile, HasNaturalEnds) {
+  const DrawnCurve curve({10, 2, 30, 4, 50});
+  const double rounding = 400 * std::numeric_limits<double>::epsilon();
   EXPECT_NEAR(curve->second(0), 0, rounding);
   EXPECT_NEAR(curve->second(4), 0, rounding);
 }
 
-TYPED_TEST(SpeedProfileIn, OneValueMeansTwoEqualOnes) {
-  using Real = TypeParam;
-  const DrawnCurve<Real> one({Real(2.5)});
-  const DrawnCurve<Real> two({Real(2.5), Real(2.5)});
+TEST(SpeedProfile, OneValueMeansTwoEqualOnes) {
+  const DrawnCurve one({2.5});
+  const DrawnCurve two({2.5, 2.5});
   EXPECT_EQ(one->span_count(), 1);
   EXPECT_EQ(two->span_count(), 1);
-  for (const Real a : {Real(0), Real(0.375), Real(1)}) {
+  for (const double a : {0.0, 0.375, 1.0}) {
     EXPECT_EQ(one->value(a), two->value(a));
-    EXPECT_NEAR(one->value(a), Real(2.5), 4 * std::numeric_limits<Real>::epsilon());
+    EXPECT_NEAR(one->value(a), 2.5, 4 * std::numeric_limits<double>::epsilon());
     EXPECT_EQ(one->integral(a), two->integral(a));
-    EXPECT_NEAR(one->derivative(a), 0, 32 * std::numeric_limits<Real>::epsilon());
+    EXPECT_NEAR(one->derivative(a), 0, 32 * std::numeric_limits<double>::epsilon());
   }
-  EXPECT_NEAR(one->total_integral(), Real(2.5), 4 * std::numeric_limits<Real>::epsilon());
+  EXPECT_NEAR(one->total_integral(), 2.5, 4 * std::numeric_limits<double>::epsilon());
 }
 
 TEST(SpeedProfile, TwoValuesAreAStraightLine) {
-  const DrawnCurve<double> curve({10, 30});
+  const DrawnCurve curve({10, 30});
   EXPECT_EQ(curve->span_count(), 1);
   for (const double a : {0.0, 0.125, 0.5, 0.9, 1.0}) {
     EXPECT_DOUBLE_EQ(curve->value(a), 10 + 20 * a);
@@ -175,7 +159,7 @@ TEST(SpeedProfile, TwoValuesAreAStraightLine) {
 }
 
 TEST(SpeedProfile, FourZerosInARowAreADwell) {
-  const DrawnCurve<double> curve({8, 0, 0, 0, 0, 8});
+  const DrawnCurve curve({8, 0, 0, 0, 0, 8});
   for (const double a : {2.0, 2.3, 2.5, 3.0}) EXPECT_EQ(curve->value(a), 0) << a;
   EXPECT_EQ(curve->integral(2), curve->integral(3));
   EXPECT_GT(curve->value(1.9), 0);
@@ -183,7 +167,7 @@ TEST(SpeedProfile, FourZerosInARowAreADwell) {
 }
 
 TEST(SpeedProfile, TwoZerosAtAnEndStartFromRestWithoutAcceleration) {
-  const DrawnCurve<double> curve({0, 0, 10, 10});
+  const DrawnCurve curve({0, 0, 10, 10});
   EXPECT_EQ(curve->value(0), 0);
   EXPECT_EQ(curve->derivative(0), 0);
 }
@@ -198,68 +182,66 @@ void expect_refused(const Status& status, ErrorCode code, std::int32_t control_v
   EXPECT_STRNE(status.error().remedy, "");
 }
 
-TYPED_TEST(SpeedProfileIn, NamesTheControlValueThatIsNotOne) {
-  using Real = TypeParam;
+TEST(SpeedProfile, NamesTheControlValueThatIsNotOne) {
   struct Case {
-    Real value;
+    double value;
     ErrorCode code;
     const char* word;
   };
   const Case cases[] = {
-      {std::numeric_limits<Real>::quiet_NaN(), ErrorCode::not_finite, "finite"},
-      {std::numeric_limits<Real>::infinity(), ErrorCode::not_finite, "finite"},
-      {-std::numeric_limits<Real>::infinity(), ErrorCode::not_finite, "finite"},
-      {-std::numeric_limits<Real>::denorm_min(), ErrorCode::out_of_range, "negative"},
-      {std::nextafter(Real(100), Real(200)), ErrorCode::out_of_range, "above 100"},
-      {std::numeric_limits<Real>::max(), ErrorCode::out_of_range, "above 100"},
+      {std::numeric_limits<double>::quiet_NaN(), ErrorCode::not_finite, "finite"},
+      {std::numeric_limits<double>::infinity(), ErrorCode::not_finite, "finite"},
+      {-std::numeric_limits<double>::infinity(), ErrorCode::not_finite, "finite"},
+      {-std::numeric_limits<double>::denorm_min(), ErrorCode::out_of_range, "negative"},
+      {std::nextafter(100.0, 200.0), ErrorCode::out_of_range, "above 100"},
+      {std::numeric_limits<double>::max(), ErrorCode::out_of_range, "above 100"},
   };
   for (const Case& each : cases) {
     for (const std::int32_t index : {0, 1, 3}) {
-      std::vector<Real> values{1, 0, 100, 50};
-      EXPECT_TRUE(DrawnCurve<Real>(values).result()) << "0 and 100 are allowed";
+      std::vector<double> values{1, 0, 100, 50};
+      EXPECT_TRUE(DrawnCurve(values).result()) << "0 and 100 are allowed";
       values[static_cast<std::size_t>(index)] = each.value;
-      const DrawnCurve<Real> curve(values);
+      const DrawnCurve curve(values);
       ASSERT_FALSE(curve.result());
       expect_refused(curve.result().error(), each.code, index, each.word);
     }
   }
 }
 
-TYPED_TEST(SpeedProfileIn, NeedsAtLeastOneControlValue) {
-  const DrawnCurve<TypeParam> curve({});
+TEST(SpeedProfile, NeedsAtLeastOneControlValue) {
+  const DrawnCurve curve({});
   ASSERT_FALSE(curve.result());
   EXPECT_EQ(curve.result().error().code, ErrorCode::wrong_count);
 }
 
-TYPED_TEST(SpeedProfileIn, StatesTheCapacityNeededWhichSuffices) {
-  using Real = TypeParam;
-  const std::vector<Real> values{1, 2, 3, 4, 5};
-  SpeedProfileStorage<Real, 4> small;
-  const auto refused = SpeedProfile<Real>::make(values, small.memory());
+TEST(SpeedProfile, StatesTheCapacityNeededWhichSuffices) {
+  const std::vector<double> values{1, 2, 3, 4, 5};
+  SpeedProfileStorage<4> small;
+  const auto refused = SpeedProfile::make(values, small.memory());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::capacity);
   ASSERT_EQ(refused.error().needed, 5);
-  SpeedProfileStorage<Real, 5> enough;
-  EXPECT_TRUE(SpeedProfile<Real>::make(values, enough.memory()));
-  SpeedProfileStorage<Real, 1> one;
-  EXPECT_TRUE(SpeedProfile<Real>::make(std::vector<Real>{1}, one.memory()));
+  SpeedProfileStorage<5> enough;
+  EXPECT_TRUE(SpeedProfile::make(values, enough.memory()));
+  SpeedProfileStorage<1> one;
+  EXPECT_TRUE(SpeedProfile::make(std::vector<double>{1}, one.memory()));
 }
 
 TEST(SpeedProfile, RefusesMemoryThatIsShortInEitherPart) {
   const std::vector<double> values{1, 2, 3};
-  std::array<SpeedSpan<double>, 2> spans;
-  std::array<TwoSum<double>, 3> integrals;
+  std::array<SpeedSpan, 2> spans;
+  std::array<TwoSum, 3> integrals;
   const std::span all_spans(spans);
   const std::span all_integrals(integrals);
-  EXPECT_TRUE(SpeedProfile<double>::make(values, {all_spans, all_integrals}));
-  EXPECT_FALSE(SpeedProfile<double>::make(values, {all_spans.first(1), all_integrals}));
-  EXPECT_FALSE(SpeedProfile<double>::make(values, {all_spans, all_integrals.first(2)}));
+  EXPECT_TRUE(SpeedProfile::make(values, {all_spans, all_integrals}));
+  EXPECT_FALSE(SpeedProfile::make(values, {all_spans.first(1), all_integrals}));
+  EXPECT_FALSE(SpeedProfile::make(values, {all_spans, all_integrals.first(2)}));
 }
 
 // --- the animator's edits
 
-ControlValues<double, 4> drawn(std::initializer_list<double> values) {
-  ControlValues<double, 4> result;
+ControlValues<4> drawn(std::initializer_list<double> values) {
+  ControlValues<4> result;
   for (const double value : values) EXPECT_TRUE(result.push_back(value));
   return result;
 }

@@ -16,8 +16,7 @@ namespace step_generator_test {
 constexpr std::int64_t tick_ns = 1'000'000;
 constexpr StepTiming timing{
     .pulse_ns = 3000, .pause_ns = 4000, .dir_setup_ns = 20'000, .dir_hold_ns = 10'000};
-constexpr StepSpec<double> spec{
-    .steps_per_unit = 1, .timing = timing, .max_step_rate = 100'000, .tick_ns = tick_ns};
+constexpr StepSpec spec{.steps_per_unit = 1, .timing = timing, .max_step_rate = 100'000, .tick_ns = tick_ns};
 
 constexpr StepEdge rise(std::int64_t at_ns) {
   return {.at_ns = at_ns, .line = StepLine::step, .level = true};
@@ -30,17 +29,17 @@ constexpr StepEdge dir(std::int64_t at_ns, bool level) {
 }
 using Edges = std::vector<StepEdge>;
 
-Edges edges_of_tick(StepRun<double>& run, const Setpoint<double>& end) {
+Edges edges_of_tick(StepRun& run, const Setpoint& end) {
   EXPECT_TRUE(run.tick(end));
   return {run.last_tick.begin(), run.last_tick.end()};
 }
 /// A parabola of 8 `height` u (1 - u) / 2 steps over one tick, back to where it began.
-Setpoint<double> thrown(double position, double height) {
+Setpoint thrown(double position, double height) {
   return {position, -4 * height * 1e3, -8 * height * 1e6};
 }
 
 TEST(StepGenerator, StepsWhereTheMotionPassesHalfAStep) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   ASSERT_TRUE(run.tick({0, 2000, 0}));  // takes up the speed of two steps a tick
   EXPECT_TRUE(run.generator.direction());
   const Edges expected{rise(250'000), fall(253'000), rise(750'000), fall(753'000)};
@@ -52,9 +51,9 @@ TEST(StepGenerator, StepsWhereTheMotionPassesHalfAStep) {
 }
 
 TEST(StepGenerator, DirIsHighWhereTheCountGrowsWhateverTheSignOfTheScale) {
-  StepSpec<double> backward = spec;
+  StepSpec backward = spec;
   backward.steps_per_unit = -1;
-  StepRun<double> run(backward);
+  StepRun run(backward);
   EXPECT_EQ(edges_of_tick(run, {0, -2000, 0}), Edges{dir(0, true)});
   EXPECT_EQ(edges_of_tick(run, {-2, -2000, 0}),
             (Edges{rise(250'000), fall(253'000), rise(750'000), fall(753'000)}));
@@ -62,7 +61,7 @@ TEST(StepGenerator, DirIsHighWhereTheCountGrowsWhateverTheSignOfTheScale) {
 }
 
 TEST(StepGenerator, ExactlyHalfAStepCountsUp) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   for (const auto& [position, count] :
        std::vector<std::pair<double, std::int64_t>>{{0.5, 1}, {-0.5, 0}, {1.5, 2}, {-1.5, -1}, {2.25, 2}}) {
     ASSERT_TRUE(run.generator.place(position));
@@ -86,10 +85,10 @@ TEST(StepGenerator, ExactlyHalfAStepCountsUp) {
 }
 
 TEST(StepGenerator, TheProductOfPositionAndScaleIsNotRoundedBeforeItIsCounted) {
-  StepSpec<double> tenths = spec;
+  StepSpec tenths = spec;
   tenths.steps_per_unit = 0.3;  // a little below, so that 5 times it is a little below 1.5
   ASSERT_EQ(5 * tenths.steps_per_unit, 1.5);
-  StepRun<double> run(tenths);
+  StepRun run(tenths);
   ASSERT_TRUE(run.generator.place(5));
   EXPECT_EQ(run.generator.count(), 1);
   ASSERT_TRUE(run.generator.place(-5));
@@ -97,7 +96,7 @@ TEST(StepGenerator, TheProductOfPositionAndScaleIsNotRoundedBeforeItIsCounted) {
 }
 
 TEST(StepGenerator, TurnsWithinATickAndChangesDirAfterTheHold) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   ASSERT_TRUE(run.generator.place(0));
   ASSERT_TRUE(run.tick({0, 4000, -8e6}));
   ASSERT_TRUE(run.generator.direction());
@@ -112,7 +111,7 @@ TEST(StepGenerator, TurnsWithinATickAndChangesDirAfterTheHold) {
 }
 
 TEST(StepGenerator, ATurnCloseToAStepWaitsForHoldAndSetUp) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   const double height = 0.5 + 1e-5;
   ASSERT_TRUE(run.tick({0, 4 * height * 1e3, -8 * height * 1e6}));
   const Edges edges = edges_of_tick(run, thrown(0, height));
@@ -127,11 +126,11 @@ TEST(StepGenerator, ATurnCloseToAStepWaitsForHoldAndSetUp) {
 }
 
 TEST(StepGenerator, StepsTooCloseTogetherKeepPulseAndPause) {
-  StepSpec<double> coarse = spec;
+  StepSpec coarse = spec;
   coarse.timing.pulse_ns = 200'000;
   coarse.timing.pause_ns = 250'000;
   coarse.max_step_rate = 2000;
-  StepRun<double> run(coarse);
+  StepRun run(coarse);
   // Two steps from rest to rest come less than 300 us apart.
   const Edges edges = edges_of_tick(run, {2, 0, 0});
   ASSERT_EQ(edges.size(), 4U);
@@ -143,7 +142,7 @@ TEST(StepGenerator, StepsTooCloseTogetherKeepPulseAndPause) {
 }
 
 TEST(StepGenerator, WhatDoesNotFitIntoATickComesInTheNext) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   ASSERT_TRUE(run.tick({0, 1000, 0}));
   // Crosses 1/2 a microsecond before the end: the pulse ends in the next tick.
   ASSERT_TRUE(run.tick({0.501, 1000, 0}));
@@ -157,10 +156,10 @@ TEST(StepGenerator, WhatDoesNotFitIntoATickComesInTheNext) {
 }
 
 TEST(StepGenerator, AStepDelayedOverTheEndOfATickIsNotLost) {
-  StepSpec<double> slow = spec;
+  StepSpec slow = spec;
   slow.timing.dir_setup_ns = 400'000;
   slow.timing.dir_hold_ns = 300'000;
-  StepRun<double> run(slow);
+  StepRun run(slow);
   const double height = 0.5 + 1e-5;
   ASSERT_TRUE(run.tick({0, 4 * height * 1e3, -8 * height * 1e6}));
   ASSERT_TRUE(run.tick(thrown(0, height)));
@@ -179,9 +178,9 @@ TEST(StepGenerator, AStepDelayedOverTheEndOfATickIsNotLost) {
 }
 
 TEST(StepGenerator, AStepThatWaitsUntilTheMotionComesBackIsCancelled) {
-  StepSpec<double> slow = spec;
+  StepSpec slow = spec;
   slow.timing.dir_setup_ns = 2'000'000;
-  StepRun<double> run(slow);
+  StepRun run(slow);
   ASSERT_TRUE(run.generator.place(0));
   // Up through 1/2, and soon down again, up again: the second and the third crossing cancel each other.
   ASSERT_TRUE(run.tick({0, 2000, 0}));
@@ -200,9 +199,9 @@ TEST(StepGenerator, AStepThatWaitsUntilTheMotionComesBackIsCancelled) {
 }
 
 TEST(StepGenerator, OfTwoStepsThatWaitTheOneThatCameLastIsCancelled) {
-  StepSpec<double> slow = spec;
+  StepSpec slow = spec;
   slow.timing.dir_setup_ns = 4'000'000;
-  StepRun<double> run(slow);
+  StepRun run(slow);
   ASSERT_TRUE(run.generator.place(0));
   ASSERT_TRUE(run.tick({0, 2000, 0}));  // DIR changes
   ASSERT_TRUE(run.tick({2, 2000, 0}));  // steps at 1.25 and 1.75 ms, before DIR has settled
@@ -216,9 +215,9 @@ TEST(StepGenerator, OfTwoStepsThatWaitTheOneThatCameLastIsCancelled) {
 }
 
 TEST(StepGenerator, DirIsNotChangedAgainBeforeItHasSettledThoughNoStepCame) {
-  StepSpec<double> slow = spec;
+  StepSpec slow = spec;
   slow.timing.dir_setup_ns = 2'000'000;
-  StepRun<double> run(slow);
+  StepRun run(slow);
   ASSERT_TRUE(run.generator.place(0));
   ASSERT_TRUE(run.tick({0.1, 100, 0}));
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(run.tick({0.1, -100, 0}));
@@ -226,9 +225,9 @@ TEST(StepGenerator, DirIsNotChangedAgainBeforeItHasSettledThoughNoStepCame) {
 }
 
 TEST(StepGenerator, DirIsSetInTimeForAMotionThatBeginsAtRest) {
-  StepSpec<double> slow = spec;
+  StepSpec slow = spec;
   slow.timing.dir_setup_ns = 500'000;
-  StepRun<double> run(slow);
+  StepRun run(slow);
   ASSERT_TRUE(run.generator.place(0.49));
   ASSERT_TRUE(run.tick({0.49, 0, 400'000}));  // at rest, and about to go up
   ASSERT_TRUE(run.tick({0.7, 400, 400'000}));
@@ -238,7 +237,7 @@ TEST(StepGenerator, DirIsSetInTimeForAMotionThatBeginsAtRest) {
 }
 
 TEST(StepGenerator, DirIsSetAtTheEndOfATickInWhichTheMotionTurned) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   ASSERT_TRUE(run.tick({0, 400, -800'000}));
   ASSERT_TRUE(run.generator.direction());
   EXPECT_EQ(edges_of_tick(run, thrown(0, 0.1)), Edges{dir(0, false)});
@@ -246,7 +245,7 @@ TEST(StepGenerator, DirIsSetAtTheEndOfATickInWhichTheMotionTurned) {
 }
 
 TEST(StepGenerator, ATickAtRestHasNoEdgesWhereverItRests) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   for (const double position : {0.0, 0.5, -0.5, 12345.499999, 1e9 + 0.5, -7e12}) {
     ASSERT_TRUE(run.generator.place(position));
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(edges_of_tick(run, {position, 0, 0}).empty()) << position;
@@ -255,7 +254,7 @@ TEST(StepGenerator, ATickAtRestHasNoEdgesWhereverItRests) {
 }
 
 TEST(StepGenerator, AnAxisThatCannotBeFollowedStandsAndItsCountIsTrue) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   ASSERT_TRUE(run.generator.place(10));
   const Result<std::size_t> refused = run.tick({10 + 102, 0, 0});
   ASSERT_FALSE(refused);
@@ -267,7 +266,7 @@ TEST(StepGenerator, AnAxisThatCannotBeFollowedStandsAndItsCountIsTrue) {
   EXPECT_FALSE(run.tick({10, 1e300, 0}));
   EXPECT_FALSE(run.tick({10, 0, -1e300}));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Setpoint<double>& end : {Setpoint<double>{nan, 0, 0}, {10, nan, 0}, {10, 0, nan}}) {
+  for (const Setpoint& end : {Setpoint{nan, 0, 0}, {10, nan, 0}, {10, 0, nan}}) {
     const Result<std::size_t> not_finite = run.tick(end);
     ASSERT_FALSE(not_finite);
     EXPECT_EQ(not_finite.error().code, ErrorCode::not_finite);
@@ -282,7 +281,7 @@ TEST(StepGenerator, AnAxisThatCannotBeFollowedStandsAndItsCountIsTrue) {
 }
 
 TEST(StepGenerator, TooLittleMemoryIsRefusedWithWhatIsNeeded) {
-  auto generator = StepGenerator<double>::make(spec).value();
+  auto generator = StepGenerator::make(spec).value();
   std::vector<StepEdge> small(generator.max_edges() - 1);
   const Result<std::size_t> refused = generator.advance({}, small);
   ASSERT_FALSE(refused);
@@ -291,9 +290,9 @@ TEST(StepGenerator, TooLittleMemoryIsRefusedWithWhatIsNeeded) {
 }
 
 TEST(StepGenerator, MoreWaitingStepsThanFitAreRefused) {
-  StepSpec<double> stuck = spec;
+  StepSpec stuck = spec;
   stuck.timing.dir_setup_ns = 1'000'000'000;
-  StepRun<double> run(stuck);
+  StepRun run(stuck);
   for (const double position : {5.0, 15.0, 25.0}) ASSERT_TRUE(run.tick({position, 10'000, 0}));
   EXPECT_EQ(run.generator.waiting(), 25);
   const Result<std::size_t> refused = run.tick({35, 10'000, 0});
@@ -304,7 +303,7 @@ TEST(StepGenerator, MoreWaitingStepsThanFitAreRefused) {
 }
 
 TEST(StepGenerator, PlacingAnAxisTakesNoStepAndForgetsWhatWaited) {
-  StepRun<double> run(spec);
+  StepRun run(spec);
   ASSERT_TRUE(run.tick({0, 1000, 0}));
   ASSERT_TRUE(run.tick({0.5, 1000, 0}));
   ASSERT_EQ(run.generator.waiting(), 1);
@@ -316,9 +315,9 @@ TEST(StepGenerator, PlacingAnAxisTakesNoStepAndForgetsWhatWaited) {
 
 TEST(StepGenerator, AFigureOutsideItsDomainIsRefused) {
   const auto code_of = [](auto change) {
-    StepSpec<double> changed = spec;
+    StepSpec changed = spec;
     change(changed);
-    const auto made = StepGenerator<double>::make(changed);
+    const auto made = StepGenerator::make(changed);
     EXPECT_FALSE(made);
     return made ? ErrorCode{} : made.error().code;
   };
@@ -342,7 +341,7 @@ TEST(StepGenerator, AFigureOutsideItsDomainIsRefused) {
 }
 
 TEST(StepGenerator, ARateThatPulseAndPauseDoNotPermitIsRefusedWithTheOneThatTheyDo) {
-  StepSpec<double> fast = spec;
+  StepSpec fast = spec;
   fast.max_step_rate = 142'857;  // 1e9 / 7000 is 142857.14...
   EXPECT_TRUE(check_step_rate(fast, 1.0));
   fast.max_step_rate = 142'858;
@@ -350,11 +349,11 @@ TEST(StepGenerator, ARateThatPulseAndPauseDoNotPermitIsRefusedWithTheOneThatThey
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::out_of_range);
   EXPECT_EQ(refused.error().needed, 142'857);
-  EXPECT_FALSE(StepGenerator<double>::make(fast));
+  EXPECT_FALSE(StepGenerator::make(fast));
 }
 
 TEST(StepGenerator, AVelocityThatNeedsMoreThanTheHighestRateIsRefusedWithWhatItNeeds) {
-  StepSpec<double> scaled = spec;
+  StepSpec scaled = spec;
   scaled.steps_per_unit = -88.5;
   EXPECT_TRUE(check_step_rate(scaled, 100'000 / 88.5 - 1e-9));
   const Status refused = check_step_rate(scaled, 1130.0);

@@ -53,18 +53,18 @@ const std::string slider_rig = rig_text(
           R"(type = "step-dir", chip = "io", step = 3, dir = 4, steps_per_unit = 9, max_step_rate = 10000)"}},
     {.name = "slider", .rate_hz = 250});
 
-using Port = StepPort<double, SimulatedStepChip>;
+using Port = StepPort<SimulatedStepChip>;
 
 /// Two motors on one chip, with an ENABLE line that is low while they are on.
 struct Slider {
   Plan plan{parse_move(slide_and_turn, "move.toml"), parse_rig(slider_rig, "rig.toml"), {}};
   PlannedStops stops{plan};
-  Playhead<double> playhead{plan.played(), *stops.bounds(), 250};
+  Playhead playhead{plan.played(), *stops.bounds(), 250};
   std::vector<std::size_t> drive_of{0, 1};
   std::array<double, 2> steps_per_unit{-80, 9};
   SimulatedStepChip chip;
   std::array<StepLines, 2> wires{};
-  std::vector<StepLane<double>> lanes;
+  std::vector<StepLane> lanes;
   std::vector<std::vector<StepEdge>> edges;
   std::vector<EdgeInstant> instants;
   std::vector<StepChip<SimulatedStepChip>> chips;
@@ -73,7 +73,7 @@ struct Slider {
   std::vector<Port> ports;
   SimulatedLines lines;
   LoopStorage room{2, 2};
-  std::vector<MotionLoop<double, Port, SimulatedLines>> loops;
+  std::vector<MotionLoop<Port, SimulatedLines>> loops;
   std::int64_t now_ns = 1'000'000'000;
 
   Slider() {
@@ -83,8 +83,7 @@ struct Slider {
     std::size_t room_for_instants = 1;
     for (std::size_t i = 0; i < 2; ++i) {
       auto generator =
-          StepGenerator<double>::make({steps_per_unit[i], timing, i == 0 ? 60'000.0 : 10'000.0, tick_ns})
-              .value();
+          StepGenerator::make({steps_per_unit[i], timing, i == 0 ? 60'000.0 : 10'000.0, tick_ns}).value();
       edges.emplace_back(generator.max_edges());
       room_for_instants += edges.back().size();
       lanes.push_back({.generator = generator, .edges = {}});
@@ -106,7 +105,7 @@ struct Slider {
   Slider& operator=(const Slider&) = delete;
 
   Port& port() { return ports.front(); }
-  MotionLoop<double, Port, SimulatedLines>& loop() { return loops.front(); }
+  MotionLoop<Port, SimulatedLines>& loop() { return loops.front(); }
   void tick(int count = 1, std::int64_t late_ns = 0) {
     for (int i = 0; i < count; ++i) {
       now_ns += tick_ns;
@@ -248,7 +247,7 @@ TEST(StepLoop, MoreStepsThanTheRatePermitsAreAFaultOfThatAxisAndStopAll) {
   slider.tick(200);
   // The generator of the first axis is told another scale than the plan was checked with.
   slider.lanes[0].generator =
-      StepGenerator<double>::make({-800, slider.lanes[0].generator.spec().timing, 60'000, tick_ns}).value();
+      StepGenerator::make({-800, slider.lanes[0].generator.spec().timing, 60'000, tick_ns}).value();
   slider.tick(2);
   EXPECT_EQ(slider.loop().state(), State::stopping);
   EXPECT_TRUE(slider.states[0].has_lost_steps);

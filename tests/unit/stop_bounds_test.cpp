@@ -22,47 +22,43 @@ constexpr double tick = 0.001;
 
 constexpr std::size_t cells = 128;
 
-SolvedTrack<double> solved(const PathSpec<double>& path, const std::vector<double>& speed,
-                           std::int32_t frames) {
-  return SolvedTrack<double>(
+SolvedTrack solved(const PathSpec& path, const std::vector<double>& speed, std::int32_t frames) {
+  return SolvedTrack(
       {.path = path, .control_values = speed, .frames = frames, .fps = {24, 1}, .arc_length = {}},
       Solver::closed_form);
 }
 
-template <Precise Real>
-AxisLimits<Real> stop_limits(Real acceleration, std::optional<Real> jerk = std::nullopt) {
-  AxisLimitsSpec<Real> spec{
+AxisLimits stop_limits(double acceleration, std::optional<double> jerk = std::nullopt) {
+  AxisLimitsSpec spec{
       .min = -10'000, .max = 10'000, .max_velocity = 10'000, .max_acceleration = acceleration};
   spec.stop_acceleration = acceleration;
   spec.stop_jerk = jerk;
-  return *AxisLimits<Real>::make(spec);
+  return *AxisLimits::make(spec);
 }
 
 /// A move with its track.
 struct TrackedMove {
-  Move<double> move;
-  std::span<const Track<double>> tracks;
+  Move move;
+  std::span<const Track> tracks;
 };
 
-TrackedMove move_of(const SolvedTrack<double>& solution, const MoveRolls<double>& rolls = {}) {
-  const std::span<const Track<double>> tracks(&solution.track(), 1);
-  return {*Move<double>::make(tracks, rolls), tracks};
+TrackedMove move_of(const SolvedTrack& solution, const MoveRolls& rolls = {}) {
+  const std::span<const Track> tracks(&solution.track(), 1);
+  return {*Move::make(tracks, rolls), tracks};
 }
 
 /// Bounds with the memory that they live in.
-template <Precise Real>
 struct Stops {
-  std::vector<StopCell<Real>> stop_cells;
-  std::vector<AxisPeaks<Real>> peaks;
-  std::optional<StopObstacle<Real>> obstacle;
-  Result<StopBounds<Real>> bounds;
+  std::vector<StopCell> stop_cells;
+  std::vector<AxisPeaks> peaks;
+  std::optional<StopObstacle> obstacle;
+  Result<StopBounds> bounds;
 
-  Stops(const TrackedMove& move, const std::vector<AxisLimits<Real>>& limits, Real rate = 1)
+  Stops(const TrackedMove& move, const std::vector<AxisLimits>& limits, double rate = 1)
       : stop_cells(cells + 1),
         peaks(limits.size()),
-        bounds(StopBounds<Real>::make(
-            {bounded_cells<Real>(move.move, move.tracks, limits, cells, rate, Real(tick)).cells(), limits,
-             rate, Real(tick)},
+        bounds(StopBounds::make(
+            {bounded_cells(move.move, move.tracks, limits, cells, rate, tick).cells(), limits, rate, tick},
             stop_cells, peaks, &obstacle)) {}
   Stops(const Stops&) = delete;
   Stops& operator=(const Stops&) = delete;
@@ -76,7 +72,7 @@ TEST(StopBounds, AStraightLineAtConstantSpeedIsStoppedWithAllItsAxisCanBear) {
   // 100 mm/s; 50 mm/s^2 are 0.5 /s, for a stop of 2 s and, at half the speed on average, one second of the
   // move.
   const auto solution = solved({.axis_count = 1, .keys = line}, {10, 10}, 240);
-  const Stops<double> stops(move_of(solution), {stop_limits(50.0)});
+  const Stops stops(move_of(solution), {stop_limits(50.0)});
   ASSERT_TRUE(stops.bounds.has_value());
   EXPECT_NEAR(stops.bounds->rate_change({120, 0}), 0.5, 0.01);
   EXPECT_LE(stops.bounds->rate_change({120, 0}), 0.5);
@@ -89,31 +85,31 @@ TEST(StopBounds, AStraightLineAtConstantSpeedIsStoppedWithAllItsAxisCanBear) {
 TEST(StopBounds, AJerkLimitMakesTheQuickestStopOfBothLimits) {
   // R2 = 1 /s^2: from rate 1 the quickest is 2 s, with a rate change of 1 /s in the middle.
   const auto solution = solved({.axis_count = 1, .keys = line}, {10, 10}, 240);
-  const Stops<double> gentle(move_of(solution), {stop_limits(1000.0, std::optional(100.0))});
+  const Stops gentle(move_of(solution), {stop_limits(1000.0, std::optional(100.0))});
   ASSERT_TRUE(gentle.bounds.has_value());
   EXPECT_NEAR(gentle.bounds->rate_jerk({120, 0}), 1, 0.02);
   EXPECT_NEAR(gentle.bounds->rate_change({120, 0}), 1, 0.02);
   // R1 = 0.5 /s, R2 = 1 /s^2: 2 s, and half a second each to begin and to end, of which one is the other's
   // loss.
-  const Stops<double> both(move_of(solution), {stop_limits(50.0, std::optional(100.0))});
+  const Stops both(move_of(solution), {stop_limits(50.0, std::optional(100.0))});
   ASSERT_TRUE(both.bounds.has_value());
-  const StopLength<double> stop = both.bounds->stop_from({120, 0}, true);
+  const StopLength stop = both.bounds->stop_from({120, 0}, true);
   EXPECT_NEAR(stop.seconds, 0.5 + 2.5, 0.06);
 }
 
 TEST(StopBounds, TheJerkThatIsToldIsAllThatTheLimitAllows) {
   // The speed grows all the way: the jerk of every stop has a part by acceleration and change of the rate.
   const auto solution = solved({.axis_count = 1, .keys = line}, {5, 15}, 240);
-  const Stops<double> stops(move_of(solution), {stop_limits(1e5, std::optional(100.0))});
+  const Stops stops(move_of(solution), {stop_limits(1e5, std::optional(100.0))});
   ASSERT_TRUE(stops.bounds.has_value());
   EXPECT_NEAR(stops.peaks[0].jerk.value, 100, 1);
 }
 
 TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
-  const std::vector<AxisLimits<double>> limits(2, stop_limits(2000.0, std::optional(20'000.0)));
-  const Stops<double> once(move_of(solution), limits, 1);
-  const Stops<double> twice(move_of(solution), limits, 2);
+  const std::vector<AxisLimits> limits(2, stop_limits(2000.0, std::optional(20'000.0)));
+  const Stops once(move_of(solution), limits, 1);
+  const Stops twice(move_of(solution), limits, 2);
   ASSERT_TRUE(once.bounds.has_value());
   ASSERT_TRUE(twice.bounds.has_value());
   EXPECT_EQ(twice.bounds->rate(), 2);
@@ -124,14 +120,14 @@ TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
 
 TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
-  const std::vector<AxisPeaks<double>> peaks = bounds_of_track(solution.track()).peaks();
+  const std::vector<AxisPeaks> peaks = bounds_of_track(solution.track()).peaks();
   const TrackedMove move = move_of(solution);
   for (const bool by_jerk : {false, true}) {
-    const Peak<double> peak = by_jerk ? peaks[1].jerk : peaks[1].acceleration;
-    const AxisLimits<double> tight =
+    const Peak peak = by_jerk ? peaks[1].jerk : peaks[1].acceleration;
+    const AxisLimits tight =
         by_jerk ? stop_limits(1e5, std::optional(0.99 * peak.value)) : stop_limits(0.99 * peak.value);
-    const std::vector<AxisLimits<double>> limits{stop_limits(1e5), tight};
-    Stops<double> stops(move, limits);
+    const std::vector<AxisLimits> limits{stop_limits(1e5), tight};
+    Stops stops(move, limits);
     ASSERT_FALSE(stops.bounds.has_value());
     EXPECT_EQ(stops.bounds.error().code, ErrorCode::no_solution);
     EXPECT_EQ(stops.bounds.error().axis, 1);
@@ -145,9 +141,9 @@ TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
     EXPECT_GE(obstacle->value, obstacle->limit);
     // A little above the peak there is a slow stop.
     const double enough = 1.05 * peak.value;
-    const std::vector<AxisLimits<double>> loose{
+    const std::vector<AxisLimits> loose{
         stop_limits(1e5), by_jerk ? stop_limits(1e5, std::optional(enough)) : stop_limits(enough)};
-    const Stops<double> slow(move, loose);
+    const Stops slow(move, loose);
     EXPECT_TRUE(slow.bounds.has_value());
     EXPECT_FALSE(slow.obstacle.has_value());
   }
@@ -156,7 +152,7 @@ TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {
 TEST(StopBounds, WhereNothingMovesTheyAreTheLargestThereAre) {
   const std::vector<double> still{5, 5};
   const auto solution = solved({.axis_count = 1, .keys = still}, {10, 10}, 48);
-  const Stops<double> stops(move_of(solution), {stop_limits(1.0, std::optional(1.0))});
+  const Stops stops(move_of(solution), {stop_limits(1.0, std::optional(1.0))});
   ASSERT_TRUE(stops.bounds.has_value());
   for (const std::int32_t frame : {-10, 0, 20, 48, 500}) {
     EXPECT_DOUBLE_EQ(stops.bounds->rate_change({frame, 0}), 1 / (16 * tick));
@@ -168,10 +164,10 @@ TEST(StopBounds, WhereNothingMovesTheyAreTheLargestThereAre) {
 
 TEST(StopBounds, NoStopIsPossibleThroughACuspAtASpeed) {
   const std::vector<double> keys{0, 0, 50, 20, 60, 90, 0, 100};
-  const std::vector<KeyShape<double>> shapes{{}, {.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
+  const std::vector<KeyShape> shapes{{}, {.tension = 1, .continuity = 0, .bias = 0}, {}, {}};
   const auto solution =
       solved({.spline = Spline::tcb, .axis_count = 2, .keys = keys, .shapes = shapes}, {10, 10}, 48);
-  const Stops<double> stops(move_of(solution), {2, stop_limits(1e9)});
+  const Stops stops(move_of(solution), {2, stop_limits(1e9)});
   ASSERT_FALSE(stops.bounds.has_value());
   EXPECT_EQ(stops.bounds.error().code, ErrorCode::no_solution);
 }
@@ -179,21 +175,21 @@ TEST(StopBounds, NoStopIsPossibleThroughACuspAtASpeed) {
 TEST(StopBounds, PreRollAndPostRollAreWithinThem) {
   const auto solution = solved({.axis_count = 1, .keys = line}, {10, 10}, 240);
   // From 0 to 100 mm/s in 12 frames: 200 mm/s^2 on average, where the line itself has none.
-  std::vector<AxisMotion<double>> joint{{.position = 0, .velocity = 100}};
-  const auto before = *RollAxis<double>::make({RollEnd::before, 0, 12, {24, 1}}, joint[0]);
+  std::vector<AxisMotion> joint{{.position = 0, .velocity = 100}};
+  const auto before = *RollAxis::make({RollEnd::before, 0, 12, {24, 1}}, joint[0]);
   joint[0].position = 1000;
-  const auto after = *RollAxis<double>::make({RollEnd::after, 240, 12, {24, 1}}, joint[0]);
+  const auto after = *RollAxis::make({RollEnd::after, 240, 12, {24, 1}}, joint[0]);
   const TrackedMove move = move_of(solution, {{&before, 1}, {&after, 1}});
   const double most = before.peaks().acceleration.value;
-  const Stops<double> refused(move, {stop_limits(0.99 * most)});
+  const Stops refused(move, {stop_limits(0.99 * most)});
   ASSERT_FALSE(refused.bounds.has_value());
   EXPECT_EQ(refused.bounds.error().frame, -1) << "there are no negative frames in an error";
   ASSERT_TRUE(refused.obstacle.has_value());
   EXPECT_LT(refused.obstacle->frame, 0);
   EXPECT_GT(refused.obstacle->frame, -12);
-  const Stops<double> stops(move, {stop_limits(1.5 * most)});
+  const Stops stops(move, {stop_limits(1.5 * most)});
   ASSERT_TRUE(stops.bounds.has_value());
-  const StopBounds<double>& bounds = *stops.bounds;
+  const StopBounds& bounds = *stops.bounds;
   EXPECT_LT(bounds.rate_change({-6, 0}), 0.9 * bounds.rate_change({120, 0}));
   EXPECT_LT(bounds.rate_change({246, 0}), 0.9 * bounds.rate_change({120, 0}));
   EXPECT_NEAR(bounds.rate_change({120, 0}), 1.5 * most / 100, 0.02 * 1.5 * most / 100);
@@ -206,41 +202,25 @@ TEST(StopBounds, TheReverseOfAMoveHasTheSameBoundsFromTheOtherEnd) {
   const std::vector<double> slow_end{0, 0, 10, 10, 4, 0, 0};
   const auto there = solved({.axis_count = 2, .keys = bend}, slow_start, 240);
   const auto back = solved({.axis_count = 2, .keys = turned}, slow_end, 240);
-  const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0, std::optional(30'000.0)));
-  const Stops<double> forward(move_of(there), limits);
-  const Stops<double> reverse(move_of(back), limits);
+  const std::vector<AxisLimits> limits(2, stop_limits(3000.0, std::optional(30'000.0)));
+  const Stops forward(move_of(there), limits);
+  const Stops reverse(move_of(back), limits);
   ASSERT_TRUE(forward.bounds.has_value());
   ASSERT_TRUE(reverse.bounds.has_value());
   for (std::int32_t frame = 0; frame <= 240; frame += 12) {
-    const StopBound<double> a = forward.bounds->at({frame, 0});
-    const StopBound<double> b = reverse.bounds->at({240 - frame, 0});
+    const StopBound a = forward.bounds->at({frame, 0});
+    const StopBound b = reverse.bounds->at({240 - frame, 0});
     EXPECT_NEAR(a.rate_change, b.rate_change, 0.02 * a.rate_change) << frame;
     EXPECT_NEAR(a.release_jerk, b.release_jerk, 0.04 * a.release_jerk) << frame;
   }
-  const LongestStop<double>& a = forward.bounds->longest_in_time();
-  const LongestStop<double>& b = reverse.bounds->longest_in_time();
+  const LongestStop& a = forward.bounds->longest_in_time();
+  const LongestStop& b = reverse.bounds->longest_in_time();
   EXPECT_NEAR(a.length.seconds, b.length.seconds, 0.03 * a.length.seconds);
-}
-
-TEST(StopBounds, FloatIsNearDouble) {
-  const auto wide = solved({.axis_count = 2, .keys = bend}, calm, 240);
-  const Stops<double> in_double(move_of(wide), {2, stop_limits(3000.0, std::optional(30'000.0))});
-  const Stops<float> in_float(move_of(wide), {2, stop_limits(3000.F, std::optional(30'000.F))});
-  ASSERT_TRUE(in_double.bounds.has_value());
-  ASSERT_TRUE(in_float.bounds.has_value());
-  for (std::int32_t frame = -1; frame <= 241; ++frame) {
-    const StopBound<double> a = in_double.bounds->at({frame, 0.5});
-    const StopBound<float> b = in_float.bounds->at({frame, 0.5F});
-    EXPECT_NEAR(b.rate_change, a.rate_change, 0.02 * a.rate_change) << frame;
-    EXPECT_NEAR(b.release_jerk, a.release_jerk, 0.03 * a.release_jerk) << frame;
-  }
-  const double seconds = in_double.bounds->longest_in_time().length.seconds;
-  EXPECT_NEAR(in_float.bounds->longest_in_time().length.seconds, seconds, 0.02 * seconds);
 }
 
 TEST(StopBounds, TheyFallAndRiseNoFasterThanAStopCanFollow) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
-  const Stops<double> stops(move_of(solution), {2, stop_limits(800.0, std::optional(6000.0))});
+  const Stops stops(move_of(solution), {2, stop_limits(800.0, std::optional(6000.0))});
   ASSERT_TRUE(stops.bounds.has_value());
   const auto& all = stops.stop_cells;
   const double seconds = 10.0 / cells;
@@ -336,18 +316,18 @@ TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
       {2.25, 0, 19.75, 0, 0}, corner_frames);
   const std::array<double, corner_axes> acceleration{117.46, 175'373, 98'575, 13'259.5, 133'977, 86.53};
   const std::array<double, corner_axes> jerk{47.254, 86'955, 55'491, 8'461.6, 29'184.6, 32.74};
-  std::vector<AxisLimits<double>> limits;
+  std::vector<AxisLimits> limits;
   for (std::size_t d = 0; d < corner_axes; ++d) {
-    limits.push_back(*AxisLimits<double>::make({.min = -1e7,
-                                                .max = 1e7,
-                                                .max_velocity = 1e8,
-                                                .max_acceleration = acceleration[d],
-                                                .max_jerk = jerk[d],
-                                                .stop_acceleration = acceleration[d],
-                                                .stop_jerk = jerk[d]}));
+    limits.push_back(*AxisLimits::make({.min = -1e7,
+                                        .max = 1e7,
+                                        .max_velocity = 1e8,
+                                        .max_acceleration = acceleration[d],
+                                        .max_jerk = jerk[d],
+                                        .stop_acceleration = acceleration[d],
+                                        .stop_jerk = jerk[d]}));
   }
   constexpr double rate = 0.25;
-  const Stops<double> stops(move_of(solution), limits, rate);
+  const Stops stops(move_of(solution), limits, rate);
   const auto& bounds = stops.bounds;
   ASSERT_TRUE(bounds.has_value());
 
@@ -379,20 +359,19 @@ TEST(StopBounds, TheJerkBoundHoldsWithinACellOfItsPlaceAndNoFurther) {
 
 TEST(StopBounds, WhatIsAskedWronglyIsRefused) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
-  const std::vector<AxisLimits<double>> limits(2, stop_limits(3000.0));
+  const std::vector<AxisLimits> limits(2, stop_limits(3000.0));
   const BoundedMove bounded =
-      bounded_cells<double>(move_of(solution).move, move_of(solution).tracks, limits, 10, 1, tick);
+      bounded_cells(move_of(solution).move, move_of(solution).tracks, limits, 10, 1, tick);
   const MotionCells& motion = bounded.cells();
-  std::vector<StopCell<double>> stop_cells(11);
-  std::vector<AxisPeaks<double>> peaks(2);
-  const auto code = [&](const StopRequest<double>& request, std::span<StopCell<double>> its,
-                        std::span<AxisPeaks<double>> out) {
-    const auto made = StopBounds<double>::make(request, its, out);
+  std::vector<StopCell> stop_cells(11);
+  std::vector<AxisPeaks> peaks(2);
+  const auto code = [&](const StopRequest& request, std::span<StopCell> its, std::span<AxisPeaks> out) {
+    const auto made = StopBounds::make(request, its, out);
     return made ? std::pair(ErrorCode{}, std::int64_t{0}) : std::pair(made.error().code, made.error().needed);
   };
-  EXPECT_TRUE(StopBounds<double>::make({motion, limits, 1, tick}, stop_cells, peaks).has_value());
-  EXPECT_TRUE(StopBounds<double>::make({motion, limits, 1, tick}, stop_cells, {}).has_value());
-  const std::span<const AxisLimits<double>> one(limits.data(), 1);
+  EXPECT_TRUE(StopBounds::make({motion, limits, 1, tick}, stop_cells, peaks).has_value());
+  EXPECT_TRUE(StopBounds::make({motion, limits, 1, tick}, stop_cells, {}).has_value());
+  const std::span<const AxisLimits> one(limits.data(), 1);
   EXPECT_EQ(code({motion, one, 1, tick}, stop_cells, {}), std::pair(ErrorCode::wrong_count, std::int64_t{2}));
   EXPECT_EQ(code({motion, limits, 1, tick}, stop_cells, std::span(peaks).first(1)),
             std::pair(ErrorCode::wrong_count, std::int64_t{2}));

@@ -19,8 +19,7 @@ constexpr double stop_acceleration = 10;
 constexpr double stop_jerk = 100;
 
 /// R2 where R1 is `change`: below 0 where that leaves none.
-double max_jerk_at(const StopRequest<double>& request, const std::vector<MotionTriple>& suprema,
-                   double change) {
+double max_jerk_at(const StopRequest& request, const std::vector<MotionTriple>& suprema, double change) {
   double jerk = request.max_rate_jerk();
   for (const auto& [p1, p2, p3] : suprema) {
     if (p2 + p1 * change > stop_acceleration) return -1;
@@ -35,14 +34,14 @@ double max_jerk_at(const StopRequest<double>& request, const std::vector<MotionT
 TEST(StopPairs, NoOtherRateChangeStopsQuicker) {
   std::mt19937 random(1960);
   std::uniform_real_distribution<double> decades(-4, 0);
-  AxisLimitsSpec<double> spec{.min = -10, .max = 10, .max_velocity = 10, .max_acceleration = 10};
+  AxisLimitsSpec spec{.min = -10, .max = 10, .max_velocity = 10, .max_acceleration = 10};
   spec.stop_acceleration = stop_acceleration;
   spec.stop_jerk = stop_jerk;
-  const std::vector<AxisLimits<double>> limits(axis_count, *AxisLimits<double>::make(spec));
+  const std::vector<AxisLimits> limits(axis_count, *AxisLimits::make(spec));
   std::vector<MotionTriple> suprema(axis_count);
   const MotionCells motion{
       .line = {0, 24, 1}, .fps = {24, 1}, .axes = axis_count, .room = {}, .suprema = suprema};
-  const StopRequest<double> request{.motion = motion, .limits = limits};
+  const StopRequest request{.motion = motion, .limits = limits};
   int below_the_highest_change = 0;
   for (int i = 0; i < 1000; ++i) {
     for (MotionTriple& axis : suprema) {
@@ -53,7 +52,7 @@ TEST(StopPairs, NoOtherRateChangeStopsQuicker) {
     if (i % 10 == 1) {
       for (MotionTriple& axis : suprema) axis[1] = 0;
     }
-    const PairSearch<double> search(request, 0);
+    const PairSearch search(request, 0);
     if (search.obstacle()) continue;
     const auto [change, jerk] = search.quickest();
     ASSERT_GT(jerk, 0) << i;

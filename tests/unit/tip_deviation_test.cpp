@@ -47,16 +47,16 @@ std::vector<double> polynomial_through(const std::vector<double>& places, std::v
 
 struct MovedArm {
   std::vector<OracleJoint> joints;
-  std::vector<Cubic<double>> axes;
+  std::vector<Cubic> axes;
   [[nodiscard]] int last() const { return static_cast<int>(joints.size()) - 1; }
   [[nodiscard]] std::vector<double> positions(double t) const {
     std::vector<double> result;
-    for (const Cubic<double>& axis : axes) result.push_back(axis.value(t));
+    for (const Cubic& axis : axes) result.push_back(axis.value(t));
     return result;
   }
   [[nodiscard]] std::vector<double> velocities(double t) const {
     std::vector<double> result;
-    for (const Cubic<double>& axis : axes) result.push_back(axis.derivative(t));
+    for (const Cubic& axis : axes) result.push_back(axis.derivative(t));
     return result;
   }
 };
@@ -79,9 +79,9 @@ MovedArm random_arm(std::mt19937_64& random, double first, double second, double
 }
 
 /// A cubic in each direction that meets a function at the places where the bounds are sampled.
-std::vector<Cubic<double>> drawn_through(const std::function<Numbers(double)>& function) {
+std::vector<Cubic> drawn_through(const std::function<Numbers(double)>& function) {
   const std::vector<double> places = chebyshev_places(4);
-  std::vector<Cubic<double>> drawn;
+  std::vector<Cubic> drawn;
   for (std::size_t d = 0; d < 3; ++d) {
     std::vector<double> values;
     for (const double t : places) values.push_back(function(t)[d]);
@@ -92,9 +92,9 @@ std::vector<Cubic<double>> drawn_through(const std::function<Numbers(double)>& f
 }
 
 /// One whose slope meets that of the link at the places where the slopes are sampled.
-std::vector<Cubic<double>> drawn_with_slopes(const std::function<Numbers(double)>& slope) {
+std::vector<Cubic> drawn_with_slopes(const std::function<Numbers(double)>& slope) {
   const std::vector<double> places = chebyshev_places(3);
-  std::vector<Cubic<double>> drawn;
+  std::vector<Cubic> drawn;
   for (std::size_t d = 0; d < 3; ++d) {
     std::vector<double> values;
     for (const double t : places) values.push_back(slope(t)[d]);
@@ -110,10 +110,10 @@ Numbers difference(const Numbers& a, const Numbers& b) {
 double size(const Numbers& v) {
   return std::hypot(v[0], v[1], v[2]);
 }
-Numbers at(const std::vector<Cubic<double>>& drawn, double t) {
+Numbers at(const std::vector<Cubic>& drawn, double t) {
   return {drawn[0].value(t), drawn[1].value(t), drawn[2].value(t)};
 }
-Numbers slope_at(const std::vector<Cubic<double>>& drawn, double t) {
+Numbers slope_at(const std::vector<Cubic>& drawn, double t) {
   return {drawn[0].derivative(t), drawn[1].derivative(t), drawn[2].derivative(t)};
 }
 
@@ -134,8 +134,7 @@ void expect_bounds(const MovedArm& arm) {
     const auto twist = oracle.motion(arm.last(), arm.positions(t), arm.velocities(t), {0, 0, 0}).velocity;
     return {twist[0], twist[1], twist[2]};
   };
-  const auto deviation = [&](const std::vector<Cubic<double>>& position,
-                             const std::vector<Cubic<double>>& aim) {
+  const auto deviation = [&](const std::vector<Cubic>& position, const std::vector<Cubic>& aim) {
     return tip_deviation(kinematics, arm.last() + 1, {arm.axes, all_three, position, aim});
   };
   constexpr double rounding = 1e-13;
@@ -228,8 +227,8 @@ TEST(TipDeviation, FixedJointsInARowCountAsOne) {
 
 /// One joint that turns: nothing is lost by adding bounds, and each term of its derivatives is needed.
 TEST(TipDeviation, OneJointThatTurnsIsBoundedWithNothingToSpare) {
-  for (const Cubic<double>& turn : {Cubic<double>{0.3, 0.2, 0, 0}, Cubic<double>{0.3, 0, 0.05, 0},
-                                    Cubic<double>{0.3, 0.5, 0.02, 0}, Cubic<double>{0.3, 0.05, 0, 0.2}}) {
+  for (const Cubic& turn :
+       {Cubic{0.3, 0.2, 0, 0}, Cubic{0.3, 0, 0.05, 0}, Cubic{0.3, 0.5, 0.02, 0}, Cubic{0.3, 0.05, 0, 0.2}}) {
     MovedArm arm;
     arm.joints = {{.kind = Kind::revolute, .parent = -1, .coordinate = 0},
                   {.kind = Kind::fixed, .parent = 0, .xyz = {1, 0, 0}}};

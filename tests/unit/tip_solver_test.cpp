@@ -30,7 +30,7 @@ std::vector<TipAxis> axes_of_lift(double near_of_elbow) {
   return {{0, -2, 2, 0}, {1, -3, 3, 0}, {2, -3, 3, near_of_elbow}};
 }
 
-const TipTarget somewhere{.position = Vector3<double>{1.2, 0, 0.5}, .aim = {}, .roll = {}};
+const TipTarget somewhere{.position = Vector3{1.2, 0, 0.5}, .aim = {}, .roll = {}};
 
 TEST(TipSolver, TheFirstSolutionIsTheOneNearestToNear) {
   const Kinematics kinematics = kinematics_of(arm_on_a_lift);
@@ -63,7 +63,7 @@ TEST(TipSolver, AxesThatAreLeftFreeShareTheWayAndStayAsNearAsTheyCan) {
   const TipSolver solver(kinematics, 4, {{0, -5, 5, 1}, {1, -5, 5, -2}, {2, -5, 5, 0}, {3, -5, 5, 0}});
   // From a place far from near, too: where a solution begins does not count.
   const TipSolution found =
-      solver.solve({.position = Vector3<double>{3, 0, 0}, .aim = {}, .roll = {}}, {4, -4, 0, 0});
+      solver.solve({.position = Vector3{3, 0, 0}, .aim = {}, .roll = {}}, {4, -4, 0, 0});
   ASSERT_TRUE(found.is_exact());
   EXPECT_NEAR(found.positions[0], 1 + 2, 1e-9);
   EXPECT_NEAR(found.positions[1], -2 + 2, 1e-9);
@@ -73,15 +73,15 @@ TEST(TipSolver, ALensThatLooksAwayFromThePointIsNoSolution) {
   const Kinematics kinematics =
       kinematics_of({{.kind = Kind::prismatic, .parent = -1, .coordinate = 0, .axis = {1, 0, 0}}});
   const TipSolver solver(kinematics, 1, {{0, -1, 1, 0}});
-  EXPECT_TRUE(solver.solve({.position = {}, .aim = Vector3<double>{9, 0, 0}, .roll = {}}, {0}).is_exact());
-  EXPECT_FALSE(solver.solve({.position = {}, .aim = Vector3<double>{-9, 0, 0}, .roll = {}}, {0}).is_exact());
+  EXPECT_TRUE(solver.solve({.position = {}, .aim = Vector3{9, 0, 0}, .roll = {}}, {0}).is_exact());
+  EXPECT_FALSE(solver.solve({.position = {}, .aim = Vector3{-9, 0, 0}, .roll = {}}, {0}).is_exact());
 }
 
 TEST(TipSolver, APictureUpsideDownIsNoSolution) {
   const Kinematics kinematics =
       kinematics_of({{.kind = Kind::revolute, .parent = -1, .coordinate = 0, .axis = {1, 0, 0}}});
   const TipSolver solver(kinematics, 1, {{0, -4, 4, 0}});
-  const TipTarget level{.position = {}, .aim = Vector3<double>{9, 0, 0}, .roll = 0.0};
+  const TipTarget level{.position = {}, .aim = Vector3{9, 0, 0}, .roll = 0.0};
   EXPECT_TRUE(solver.solve(level, {0.1}).is_exact());
   EXPECT_FALSE(solver.solve(level, {pi}).is_exact());
 }
@@ -95,8 +95,7 @@ TEST(TipSolver, AHeadTurnsOnceMoreWhereItsRangeAsksForIt) {
   const Kinematics kinematics = kinematics_of(head);
   const TipSolver solver(kinematics, 2, {{0, 5, 9.9, 5}, {1, -1, 1, 0}});
   // The pan of 3.5 rad is nearer to 5.
-  const TipTarget target{
-      .position = {}, .aim = Vector3<double>{std::cos(3.5), std::sin(3.5), 0.1}, .roll = {}};
+  const TipTarget target{.position = {}, .aim = Vector3{std::cos(3.5), std::sin(3.5), 0.1}, .roll = {}};
   const TipSolution found = solver.solve_from_ranges(target);
   ASSERT_TRUE(found.is_exact());
   EXPECT_NEAR(found.positions[0], 2 * pi + 3.5, 1e-12);
@@ -106,7 +105,7 @@ TEST(TipSolver, AHeadGoesOverTheTopOnlyWhereItsRangeLetsIt) {
   const Kinematics kinematics = kinematics_of(head);
   const TipTarget target{
       .position = {},
-      .aim = Vector3<double>{std::cos(0.3) * std::cos(1.2), std::sin(0.3) * std::cos(1.2), std::sin(1.2)},
+      .aim = Vector3{std::cos(0.3) * std::cos(1.2), std::sin(0.3) * std::cos(1.2), std::sin(1.2)},
       .roll = {}};
   for (const double max : {1.4, 2.5}) {
     const TipSolver solver(kinematics, 2, {{0, -1, 4, 3.4}, {1, -1, max, 1.4}});
@@ -167,8 +166,7 @@ TEST(TipSolver, AHeadWhosePanFollowsAnotherJointWithAnOffsetIsSolvedToo) {
   const std::vector<TipAxis> axes = {{0, -2, 2, 0}, {1, -1, 1, 0}};
   EXPECT_FALSE(CraneSolutions::find(kinematics, 3, axes).has_value());
   const TipSolution found =
-      TipSolver(kinematics, 3, axes)
-          .solve_from_ranges({.position = {}, .aim = Vector3<double>{3, 3, 0}, .roll = {}});
+      TipSolver(kinematics, 3, axes).solve_from_ranges({.position = {}, .aim = Vector3{3, 3, 0}, .roll = {}});
   ASSERT_TRUE(found.is_exact());
   EXPECT_NEAR(2 * found.positions[0] + 0.4, pi / 4, 1e-9);
 }

@@ -35,7 +35,7 @@ struct Drawing {
   std::int32_t frames = 0;
 };
 
-SolvedTrack<double> solved(const Drawing& drawing) {
+SolvedTrack solved(const Drawing& drawing) {
   return {{.path = {.spline = drawing.spline,
                     .closed = drawing.closed,
                     .axis_count = drawing.axis_count,
@@ -72,14 +72,14 @@ Error refusal(const Drawing& drawing) {
   return {};
 }
 
-std::vector<AxisMotion<double>> motion(const SolvedTrack<double>& solution, const FrameTime<double>& time) {
-  std::vector<AxisMotion<double>> axes(static_cast<std::size_t>(solution.track().path().axis_count()));
+std::vector<AxisMotion> motion(const SolvedTrack& solution, const FrameTime& time) {
+  std::vector<AxisMotion> axes(static_cast<std::size_t>(solution.track().path().axis_count()));
   EXPECT_EQ(solution.track().motion(time, axes), 3);
   return axes;
 }
 
-double parameter(const SolvedTrack<double>& solution, const FrameTime<double>& time) {
-  const PathPoint<double> point = solution.track().locate(time);
+double parameter(const SolvedTrack& solution, const FrameTime& time) {
+  const PathPoint point = solution.track().locate(time);
   return point.segment + point.t;
 }
 
@@ -94,7 +94,7 @@ Drawing broken_twice() {
 
 TEST(BreakKeys, EachPortionPlaysTheDrawnCurveWithAConstantOfItsOwn) {
   const Drawing drawing = broken_twice();
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   const oracle::Path path = oracle_path(drawing);
   const oracle::Profile drawn(drawing.speed);
   EXPECT_EQ(track.control_values(), drawing.speed) << "breaks leave the drawn curve alone";
@@ -109,12 +109,12 @@ TEST(BreakKeys, EachPortionPlaysTheDrawnCurveWithAConstantOfItsOwn) {
     EXPECT_EQ(track.track().portions()[k].begin_frame, bounds[k]);
     EXPECT_NEAR(track.track().portions()[k].constant, static_cast<double>(constant), 1e-12);
     for (std::int32_t frame = bounds[k]; frame < bounds[k + 1]; ++frame) {
-      const PathPoint<double> point = track.table().point(frame);
+      const PathPoint point = track.table().point(frame);
       ASSERT_GE(point.segment, keys[k]) << frame;
       const long double travelled = path.travelled({keys[k], 0}, {point.segment, widened(point.t)});
       const long double wanted = constant * drawn.integral(a(bounds[k]), a(frame));
       ASSERT_NEAR(static_cast<double>(travelled - wanted), 0, 1e-6 * static_cast<double>(length)) << frame;
-      const TwoSum<double> distance = track.track().distance({frame, 0});
+      const TwoSum distance = track.track().distance({frame, 0});
       const long double before = path.travelled({0, 0}, {keys[k], 0});
       ASSERT_NEAR(static_cast<double>(widened(distance.high) + widened(distance.low) - before - wanted), 0,
                   1e-12)
@@ -125,7 +125,7 @@ TEST(BreakKeys, EachPortionPlaysTheDrawnCurveWithAConstantOfItsOwn) {
 
 TEST(BreakKeys, TheKeyIsMetOnItsFrameAndTheSpeedJumpsThere) {
   const Drawing drawing = broken_twice();
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   for (const KeyLock& lock : drawing.locks) {
     EXPECT_NEAR(parameter(track, {lock.frame, 0}), lock.key, 1e-12);
     EXPECT_NEAR(parameter(track, {lock.frame - 1, 1 - 1e-9}), lock.key, 1e-9);
@@ -133,11 +133,11 @@ TEST(BreakKeys, TheKeyIsMetOnItsFrameAndTheSpeedJumpsThere) {
     const double leaving = track.track().along({lock.frame, 0}).speed;
     EXPECT_GT(std::fabs(leaving - arriving), 0.05 * arriving);
   }
-  EXPECT_EQ(track.track().locate({240, 0}), (PathPoint<double>{4, 0}));
+  EXPECT_EQ(track.track().locate({240, 0}), (PathPoint{4, 0}));
 }
 
 TEST(BreakKeys, VelocitiesAreThoseOfTheirPortion) {
-  const SolvedTrack<double> track = solved(broken_twice());
+  const SolvedTrack track = solved(broken_twice());
   const double h = 1e-4;
   for (const std::int32_t frame : {20, 69, 70, 100, 149, 150, 200}) {
     const auto at = motion(track, {frame, 0.5});
@@ -168,7 +168,7 @@ TEST(BreakKeys, ALockBetweenTwoBreaksChangesTheCurveInItsOwnPortionOnly) {
   drawing.locks = {{.key = 1, .frame = 40, .breaks = true},
                    {.key = 2, .frame = 75},
                    {.key = 3, .frame = 120, .breaks = true}};
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   for (const KeyLock& lock : drawing.locks) {
     EXPECT_NEAR(parameter(track, {lock.frame, 0}), lock.key, 1e-9);
   }
@@ -191,7 +191,7 @@ Drawing keys_on_frames(Kinetic kinetic) {
 TEST(KeyFrames, LinearOnLinearPathsIsPlainKeyFrameInterpolation) {
   Drawing drawing = keys_on_frames(Kinetic::linear);
   drawing.spline = Spline::linear;
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   for (std::size_t n = 0; n + 1 < drawing.key_frames.size(); ++n) {
     const std::int32_t begin = drawing.key_frames[n];
     const std::int32_t end = drawing.key_frames[n + 1];
@@ -213,11 +213,11 @@ TEST(KeyFrames, LinearOnLinearPathsIsPlainKeyFrameInterpolation) {
 TEST(KeyFrames, EveryKeyIsPassedOnItsFrameToTheLastBit) {
   for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
     const Drawing drawing = keys_on_frames(kinetic);
-    const SolvedTrack<double> track = solved(drawing);
+    const SolvedTrack track = solved(drawing);
     EXPECT_FALSE(track.track().has_profile());
     EXPECT_TRUE(track.control_values().empty());
     for (std::size_t n = 0; n < drawing.key_frames.size(); ++n) {
-      const PathPoint<double> key{static_cast<int>(n), 0};
+      const PathPoint key{static_cast<int>(n), 0};
       EXPECT_EQ(track.track().locate({drawing.key_frames[n], 0}), key);
       EXPECT_EQ(track.table().point(drawing.key_frames[n]), key);
     }
@@ -226,7 +226,7 @@ TEST(KeyFrames, EveryKeyIsPassedOnItsFrameToTheLastBit) {
 
 TEST(KeyFrames, SmoothNeverGoesBackAndHasNoJumpOfTheRateAtAKey) {
   const Drawing drawing = keys_on_frames(Kinetic::monotone);
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   double before = 0;
   for (std::int32_t step = 0; step <= 3200; ++step) {
     const double here = parameter(track, {step / 32, (step % 32) / 32.0});
@@ -252,14 +252,14 @@ TEST(KeyFrames, SmoothNeverGoesBackAndHasNoJumpOfTheRateAtAKey) {
 TEST(KeyFrames, SmoothKeepsEvenlyTimedKeysAtAnEvenRate) {
   Drawing drawing = keys_on_frames(Kinetic::monotone);
   drawing.key_frames = {0, 25, 50, 75, 100};
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   for (std::int32_t frame = 0; frame <= 100; ++frame)
     EXPECT_NEAR(parameter(track, {frame, 0}), frame / 25.0, 1e-14);
 }
 
 TEST(KeyFrames, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
   for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
-    const SolvedTrack<double> track = solved(keys_on_frames(kinetic));
+    const SolvedTrack track = solved(keys_on_frames(kinetic));
     const double h = 1e-4;
     for (const std::int32_t frame : {0, 13, 20, 50, 69, 72, 90, 99}) {
       const auto at = motion(track, {frame, 0.5});
@@ -273,7 +273,7 @@ TEST(KeyFrames, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
         EXPECT_NEAR(at[d].jerk, quotient(after[d].acceleration, before[d].acceleration), 1) << frame;
         speed = std::hypot(speed, at[d].velocity);
       }
-      const AlongPath<double> along = track.track().along({frame, 0.5});
+      const AlongPath along = track.track().along({frame, 0.5});
       EXPECT_NEAR(along.speed, speed, 1e-9) << frame;
       const double rise =
           track.track().along({frame, 0.5 + h}).speed - track.track().along({frame, 0.5 - h}).speed;
@@ -284,12 +284,12 @@ TEST(KeyFrames, VelocityAndAccelerationAreTheDerivativesOfThePosition) {
 
 TEST(KeyFrames, AClosedPathReturnsToItsFirstKeyOnTheLastFrame) {
   for (const Kinetic kinetic : {Kinetic::linear, Kinetic::monotone}) {
-    const SolvedTrack<double> track = solved({.closed = true,
-                                              .keys = {10, 0, 42, 60, 90, 80},
-                                              .key_frames = {0, 20, 70, 100},
-                                              .kinetic = kinetic,
-                                              .frames = 100});
-    EXPECT_EQ(track.track().locate({70, 0}), (PathPoint<double>{2, 0}));
+    const SolvedTrack track = solved({.closed = true,
+                                      .keys = {10, 0, 42, 60, 90, 80},
+                                      .key_frames = {0, 20, 70, 100},
+                                      .kinetic = kinetic,
+                                      .frames = 100});
+    EXPECT_EQ(track.track().locate({70, 0}), (PathPoint{2, 0}));
     const auto end = motion(track, {100, 0});
     EXPECT_NEAR(end[0].position, 10, 1e-13);
     EXPECT_NEAR(end[1].position, 0, 1e-13);
@@ -300,7 +300,7 @@ TEST(KeyFrames, AKeyWrittenTwiceIsHeldBetweenItsTwoFrames) {
   Drawing drawing = keys_on_frames(Kinetic::monotone);
   drawing.spline = Spline::linear;
   drawing.keys = {10, 0, 42, 60, 42, 60, 150, 0, 160, -40};
-  const SolvedTrack<double> track = solved(drawing);
+  const SolvedTrack track = solved(drawing);
   for (std::int32_t frame = 20; frame <= 70; ++frame) {
     const auto at = motion(track, {frame, 0});
     EXPECT_EQ(at[0].position, 42);

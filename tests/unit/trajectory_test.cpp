@@ -24,7 +24,7 @@ namespace inbetween {
 namespace trajectory_test {
 
 constexpr std::size_t axes = 2;
-using Motions = std::array<AxisMotion<double>, axes>;
+using Motions = std::array<AxisMotion, axes>;
 
 RigFile quick_rig() {
   return parse_rig(rig_text({{.name = "x", .max_velocity = 1e5, .max_acceleration = 1e7},
@@ -32,7 +32,7 @@ RigFile quick_rig() {
                    "rig.toml");
 }
 
-FrameTime<double> time_at(double frame) {
+FrameTime time_at(double frame) {
   const double whole = std::floor(frame);
   return {static_cast<std::int32_t>(whole), frame - whole};
 }
@@ -41,17 +41,17 @@ class EveryTimingAsATrajectory : public testing::TestWithParam<TimingKind> {
  protected:
   EveryTimingAsATrajectory() : plan_(move_of(GetParam()), quick_rig(), {}), fitted_(track()) {}
 
-  [[nodiscard]] const Track<double>& track() const { return plan_.tracks()[0].track(); }
+  [[nodiscard]] const Track& track() const { return plan_.tracks()[0].track(); }
 
   Plan plan_;
   FittedTrajectory fitted_;
 };
 
 TEST_P(EveryTimingAsATrajectory, IsWithinTheTolerancesOfTheTrack) {
-  const std::vector<AxisPeaks<double>> peaks = bounds_of_track(track()).peaks();
+  const std::vector<AxisPeaks> peaks = bounds_of_track(track()).peaks();
   Motions asked, played;
   for (int k = 0; k < 48 * 40; ++k) {
-    const FrameTime<double> time = time_at((k + 0.381966) / 40);
+    const FrameTime time = time_at((k + 0.381966) / 40);
     const double speed = fitted_.sampler().sample(time, asked).speed;
     fitted_->motion(time, played);
     for (std::size_t d = 0; d < axes; ++d) {
@@ -92,9 +92,9 @@ TEST_P(EveryTimingAsATrajectory, APartOfItIsTheWholeBitForBitAndRestsOutside) {
 
 TEST_P(EveryTimingAsATrajectory, IsBoundOnAStretchByWhatIsFoundThere) {
   for (const auto& [from, to] : {std::pair{0.0, 48.0}, {3.3, 4.1}, {11.0, 30.5}}) {
-    std::array<AxisPeaks<double>, axes> peaks;
+    std::array<AxisPeaks, axes> peaks;
     bound_trajectory(*fitted_, time_at(from), time_at(to), peaks);
-    std::array<AxisMotion<double>, axes> found{}, played;
+    std::array<AxisMotion, axes> found{}, played;
     for (int k = 0; k <= 4000; ++k) {
       fitted_->motion(time_at(from + (to - from) * k / 4000), played);
       for (std::size_t d = 0; d < axes; ++d) {
@@ -115,9 +115,9 @@ TEST_P(EveryTimingAsATrajectory, IsBoundOnAStretchByWhatIsFoundThere) {
 }
 
 TEST_P(EveryTimingAsATrajectory, IsJoinedByTheTrajectoryOfItsRolls) {
-  const MoveRolls<double>& rolls = plan_.played().rolls();
+  const MoveRolls& rolls = plan_.played().rolls();
   EXPECT_EQ(!rolls.before.empty(), GetParam().rolls);
-  for (const std::span<const RollAxis<double>> roll : {rolls.before, rolls.after}) {
+  for (const std::span<const RollAxis> roll : {rolls.before, rolls.after}) {
     if (roll.empty()) continue;
     std::array<TrajectoryPiece, 1> piece;
     std::array<double, 6 * axes> values;
@@ -128,10 +128,10 @@ TEST_P(EveryTimingAsATrajectory, IsJoinedByTheTrajectoryOfItsRolls) {
     const double frames = frames_between(rolled->begin(), rolled->end());
     Motions played;
     for (int k = 0; k <= 400; ++k) {
-      const FrameTime<double> time = moved_by(rolled->begin(), frames * k / 400);
+      const FrameTime time = moved_by(rolled->begin(), frames * k / 400);
       rolled->motion(time, played);
       for (std::size_t d = 0; d < axes; ++d) {
-        const AxisMotion<double> asked = roll[d].motion(time);
+        const AxisMotion asked = roll[d].motion(time);
         EXPECT_NEAR(played[d].position, asked.position, 1e-12 * (1 + std::fabs(asked.position)));
         EXPECT_NEAR(played[d].velocity, asked.velocity, 1e-9 * (1 + std::fabs(asked.velocity)));
         EXPECT_NEAR(played[d].acceleration, asked.acceleration, 1e-8 * (1 + std::fabs(asked.acceleration)));
@@ -164,7 +164,7 @@ TEST(Trajectory, CurvesOverFramesAreCubicsAndTakeAPieceForEachStretch) {
   const auto& kinds = timing_kinds();
   const auto curves = std::ranges::find(kinds, "curves", &TimingKind::name);
   const Plan plan(move_of(*curves), std::nullopt, {});
-  const Track<double>& track = plan.tracks()[0].track();
+  const Track& track = plan.tracks()[0].track();
   const FittedTrajectory fitted(track);
   EXPECT_EQ(fitted->pieces().size(), track.key_intervals().size());
   for (const TrajectoryPiece& piece : fitted->pieces()) EXPECT_EQ(piece.degree, 3);
@@ -231,7 +231,7 @@ TEST(Trajectory, WhatHasNoBoundIsInfinityInThatDerivativeAndThoseAbove) {
     EvenPieces move({0, 1, 2}, {0, 1, 2});
     const std::array<UnboundedSide, 1> sides{{{.time = {1, 0}, .order = static_cast<std::uint8_t>(order)}}};
     move.contents.unbounded = sides;
-    std::array<AxisPeaks<double>, 1> peaks;
+    std::array<AxisPeaks, 1> peaks;
     bound_trajectory(move.made(), peaks);
     EXPECT_EQ(std::isinf(peaks[0].velocity.value), order <= 1) << order;
     EXPECT_EQ(std::isinf(peaks[0].acceleration.value), order <= 2) << order;
@@ -251,7 +251,7 @@ TEST(Trajectory, WhereItKeepsToItsJointsNoMomentOfAPieceIsBeyondItsEnds) {
   TrajectoryContents contents{
       .axis_count = 1, .fps = {24, 1}, .end = {1, 0}, .pieces = pieces, .values = values};
   std::array<double, 1> position;
-  std::array<AxisMotion<double>, 1> motion;
+  std::array<AxisMotion, 1> motion;
   for (const bool keeps : {false, true}) {
     contents.keeps_to_joints = keeps;
     const Trajectory trajectory = *Trajectory::make(contents, buckets);

@@ -11,27 +11,27 @@ namespace verdict_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-AxisLimits<double> limits_with(double velocity, double acceleration, std::optional<double> jerk,
-                               std::optional<double> step = std::nullopt) {
-  return *AxisLimits<double>::make({.min = -1,
-                                    .max = 1,
-                                    .max_velocity = velocity,
-                                    .max_acceleration = acceleration,
-                                    .max_jerk = jerk,
-                                    .max_acceleration_step = step});
+AxisLimits limits_with(double velocity, double acceleration, std::optional<double> jerk,
+                       std::optional<double> step = std::nullopt) {
+  return *AxisLimits::make({.min = -1,
+                            .max = 1,
+                            .max_velocity = velocity,
+                            .max_acceleration = acceleration,
+                            .max_jerk = jerk,
+                            .max_acceleration_step = step});
 }
 
-AxisPeaks<double> peaks_of(double velocity, double acceleration, double jerk) {
+AxisPeaks peaks_of(double velocity, double acceleration, double jerk) {
   return {{}, {}, {velocity, 3}, {acceleration, 4}, {jerk, 5}};
 }
 
 /// One axis, with a step of its acceleration where there is one.
 struct OneAxis {
-  std::vector<AxisPeaks<double>> peaks;
-  std::vector<AxisLimits<double>> limits;
+  std::vector<AxisPeaks> peaks;
+  std::vector<AxisLimits> limits;
   std::vector<MoveStep> steps;
 
-  OneAxis(const AxisPeaks<double>& peak, const AxisLimits<double>& limit, double acceleration_step = 0,
+  OneAxis(const AxisPeaks& peak, const AxisLimits& limit, double acceleration_step = 0,
           double velocity_step = 0)
       : peaks{peak}, limits{limit} {
     if (acceleration_step > 0 || velocity_step > 0)
@@ -113,7 +113,7 @@ TEST(FirstBreach, JudgesTheRangeOfAnAxisAndNotThatOfItsMotor) {
 }
 
 TEST(FirstBreach, RefusesEveryStepOfTheVelocityAndOneOfTheAccelerationBesideAJerkLimit) {
-  const AxisPeaks<double> still = peaks_of(0, 0, 0);
+  const AxisPeaks still = peaks_of(0, 0, 0);
   EXPECT_EQ(OneAxis(still, limits_with(1, 1, std::nullopt), 0, 1e-9).breach(), BreachKind::velocity_step);
   EXPECT_EQ(OneAxis(still, limits_with(1, 1, std::nullopt), 5).breach(), std::nullopt);
   EXPECT_EQ(OneAxis(still, limits_with(1, 1, 1), 5).breach(), BreachKind::acceleration_step);

@@ -8,16 +8,15 @@ namespace inbetween {
 
 /// The cube root of x >= 0: not below the root, and at most 4 roundings above it. Newton's method from above:
 /// of libm the core uses only functions that are exact on every target.
-template <Precise Real>
-Real cube_root(Real x) {
+inline double cube_root(double x) {
   if (!(x > 0) || !std::isfinite(x)) return x;
   int exponent = 0;
-  Real mantissa = std::frexp(x, &exponent);
+  double mantissa = std::frexp(x, &exponent);
   while (exponent % 3 != 0) {
     mantissa /= 2;
     ++exponent;
   }
-  Real root = 1;
+  double root = 1;
   for (int i = 0; i < 10; ++i) root = (2 * root + mantissa / (root * root)) / 3;
   return std::ldexp(root, exponent / 3);
 }

@@ -8,7 +8,7 @@
 #include "inbetween/base/precision.hpp"
 
 /// Interval arithmetic, rounded to nearest: a proof that uses it adds the rounding at the end. A Number is a
-/// Real or Lanes of them.
+/// double or Lanes of them.
 
 namespace inbetween {
 
@@ -18,10 +18,7 @@ struct Interval {
   Number high{};
 
   /// The same in all lanes.
-  template <Precise Real>
-  static constexpr Interval of(const Interval<Real>& range) {
-    return {range.low, range.high};
-  }
+  static constexpr Interval of(const Interval<double>& range) { return {range.low, range.high}; }
   friend constexpr Interval operator+(const Interval& a, const Interval& b) {
     return {a.low + b.low, a.high + b.high};
   }
@@ -66,11 +63,11 @@ struct CentredSlope {
 };
 
 /// The polynomial c[0] + c[1] x + ... about `x` >= 0, by its Taylor coefficients there (centred form).
-template <class Number, Precise Real, std::size_t Size>
-CentredSlope<Number> centred_slope(const std::array<Number, Size>& coefficients, Real x, Real radius) {
+template <class Number, std::size_t Size>
+CentredSlope<Number> centred_slope(const std::array<Number, Size>& coefficients, double x, double radius) {
   std::array<Number, Size> c = coefficients;
-  constexpr Real rounding = 32 * std::numeric_limits<Real>::epsilon();
-  const Real reach = x + radius;
+  constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
+  const double reach = x + radius;
   Number magnitude{};
   for (std::size_t i = Size; i-- > 0;) magnitude = magnitude * reach + absolute(c[i]);
   for (std::size_t i = 0; i + 1 < Size; ++i) {
@@ -79,23 +76,23 @@ CentredSlope<Number> centred_slope(const std::array<Number, Size>& coefficients,
   Number spread{};
   Number slope_spread{};
   for (std::size_t i = Size; i-- > 1;) {
-    if (i > 1) slope_spread = (slope_spread + static_cast<Real>(i) * absolute(c[i])) * radius;
+    if (i > 1) slope_spread = (slope_spread + static_cast<double>(i) * absolute(c[i])) * radius;
     spread = (spread + absolute(c[i])) * radius;
   }
   return {{c[0], spread + rounding * magnitude},
-          {c[1], slope_spread + (static_cast<Real>(Size) * rounding / reach) * magnitude},
+          {c[1], slope_spread + (static_cast<double>(Size) * rounding / reach) * magnitude},
           rounding * magnitude};
 }
-template <class Number, Precise Real, std::size_t Size>
-Centred<Number> centred(const std::array<Number, Size>& c, Real x, Real radius) {
+template <class Number, std::size_t Size>
+Centred<Number> centred(const std::array<Number, Size>& c, double x, double radius) {
   return centred_slope(c, x, radius).value;
 }
 
 /// The derivative of a polynomial, times `rate`.
-template <Precise Real, std::size_t Size>
-std::array<Real, Size - 1> derivative(const std::array<Real, Size>& c, Real rate = 1) {
-  std::array<Real, Size - 1> result;
-  for (std::size_t i = 1; i < Size; ++i) result[i - 1] = static_cast<Real>(i) * c[i] * rate;
+template <std::size_t Size>
+std::array<double, Size - 1> derivative(const std::array<double, Size>& c, double rate = 1) {
+  std::array<double, Size - 1> result;
+  for (std::size_t i = 1; i < Size; ++i) result[i - 1] = static_cast<double>(i) * c[i] * rate;
   return result;
 }
 

@@ -25,25 +25,25 @@ inline constexpr std::size_t wide_register_bytes = 32;
 #else
 inline constexpr std::size_t wide_register_bytes = register_bytes;
 #endif
-template <Precise Real, std::size_t bytes>
+template <std::size_t bytes>
 struct Register {
-  using Type [[gnu::vector_size(bytes)]] = Real;
+  using Type [[gnu::vector_size(bytes)]] = double;
 };
 
 /// Arithmetic on four numbers at once, each with the bits that it would have alone. The compiler makes two or
 /// four of them one instruction where the processor has such, and one after the other where it has not;
 /// written as loops over arrays GCC 12 leaves half of them scalar (closed_form/240 is then a third slower).
-template <Precise Real, std::size_t bytes = register_bytes>
+template <std::size_t bytes = register_bytes>
 class Lanes {
  public:
   Lanes() = default;
   /// The same in all lanes.
-  Lanes(Real value) {  // NOLINT(google-explicit-constructor): a number is as good as four of it
+  Lanes(double value) {  // NOLINT(google-explicit-constructor): a number is as good as four of it
     for (Part& part : parts_) part = Part{} + value;
   }
   /// The first of `numbers`, which are as many or more. Part by part: GCC 12 copies all of them through
   /// memory, by halves, and waits for both.
-  static Lanes from(std::span<const Real> numbers) {
+  static Lanes from(std::span<const double> numbers) {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) {
       Part part;
@@ -53,8 +53,8 @@ class Lanes {
     return result;
   }
 
-  Real operator[](std::size_t i) const { return parts_[i / part_size][i % part_size]; }
-  void set(std::size_t i, Real value) { parts_[i / part_size][i % part_size] = value; }
+  double operator[](std::size_t i) const { return parts_[i / part_size][i % part_size]; }
+  void set(std::size_t i, double value) { parts_[i / part_size][i % part_size] = value; }
 
   friend Lanes operator+(const Lanes& a, const Lanes& b) {
     Lanes result;
@@ -76,17 +76,17 @@ class Lanes {
     for (std::size_t i = 0; i < part_count; ++i) result.parts_[i] = a.parts_[i] / b.parts_[i];
     return result;
   }
-  friend Lanes operator+(Real a, const Lanes& b) {
+  friend Lanes operator+(double a, const Lanes& b) {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) result.parts_[i] = a + b.parts_[i];
     return result;
   }
-  friend Lanes operator*(Real a, const Lanes& b) {
+  friend Lanes operator*(double a, const Lanes& b) {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) result.parts_[i] = a * b.parts_[i];
     return result;
   }
-  friend Lanes operator/(Real a, const Lanes& b) {
+  friend Lanes operator/(double a, const Lanes& b) {
     Lanes result;
     for (std::size_t i = 0; i < part_count; ++i) result.parts_[i] = a / b.parts_[i];
     return result;
@@ -122,7 +122,7 @@ class Lanes {
     return result;
   }
   /// `before`, and then the first three of a.
-  friend Lanes shifted(Real before, const Lanes& a) {
+  friend Lanes shifted(double before, const Lanes& a) {
     Lanes result;
     result.set(0, before);
     for (std::size_t i = 1; i < lane_count; ++i) result.set(i, a[i - 1]);
@@ -130,16 +130,15 @@ class Lanes {
   }
 
  private:
-  static constexpr std::size_t part_bytes = std::min(bytes, lane_count * sizeof(Real));
-  using Part = typename Register<Real, part_bytes>::Type;
-  static constexpr std::size_t part_size = part_bytes / sizeof(Real);
+  static constexpr std::size_t part_bytes = std::min(bytes, lane_count * sizeof(double));
+  using Part = typename Register<part_bytes>::Type;
+  static constexpr std::size_t part_size = part_bytes / sizeof(double);
   static constexpr std::size_t part_count = lane_count / part_size;
 
   std::array<Part, part_count> parts_{};
 };
 
-template <Precise Real>
-Real if_less(Real a, Real b, Real yes, Real no) {
+inline double if_less(double a, double b, double yes, double no) {
   return a < b ? yes : no;
 }
 /// What std::min, std::max and std::fabs are, also of what is no number; of lanes too.
@@ -153,35 +152,31 @@ Number greatest(const Number& a, const Number& b) {
 }
 template <class Number>
 Number absolute(const Number& a) {
-  if constexpr (Precise<Number>) {
+  if constexpr (std::is_same_v<Number, double>) {
     return std::fabs(a);
   } else {
     return a.magnitude();
   }
 }
 
-template <Precise Real>
-using WideLanes = Lanes<Real, wide_register_bytes>;
+using WideLanes = Lanes<wide_register_bytes>;
 
 /// Numbers that are computed together: four where that is quick, else one.
-template <Precise Real>
-using Group = std::conditional_t<lanes_are_quick, WideLanes<Real>, Real>;
+using Group = std::conditional_t<lanes_are_quick, WideLanes, double>;
 inline constexpr std::size_t group_size = lanes_are_quick ? lane_count : 1;
 
-template <Precise Real>
-Real lane_of(Real number, std::size_t /*i*/) {
+inline double lane_of(double number, std::size_t /*i*/) {
   return number;
 }
-template <Precise Real, std::size_t bytes>
-Real lane_of(const Lanes<Real, bytes>& numbers, std::size_t i) {
+template <std::size_t bytes>
+double lane_of(const Lanes<bytes>& numbers, std::size_t i) {
   return numbers[i];
 }
-template <Precise Real>
-void set_lane(Real& number, std::size_t /*i*/, Real value) {
+inline void set_lane(double& number, std::size_t /*i*/, double value) {
   number = value;
 }
-template <Precise Real, std::size_t bytes>
-void set_lane(Lanes<Real, bytes>& numbers, std::size_t i, Real value) {
+template <std::size_t bytes>
+void set_lane(Lanes<bytes>& numbers, std::size_t i, double value) {
   numbers.set(i, value);
 }
 
@@ -202,13 +197,11 @@ Number group_of(const double* row, std::size_t count, std::size_t first) {
 }
 
 /// Rounding may leave a value below 0. Its root is 0.
-template <Precise Real>
-Real square_root(Real number) {
-  return std::sqrt(number > 0 ? number : Real(0));
+inline double square_root(double number) {
+  return std::sqrt(number > 0 ? number : 0.0);
 }
 /// A row of one number, moved on by one: what was before it.
-template <Precise Real>
-Real shifted(Real before, Real /*number*/) {
+inline double shifted(double before, double /*number*/) {
   return before;
 }
 

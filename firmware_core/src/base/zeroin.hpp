@@ -9,22 +9,20 @@
 namespace inbetween {
 
 /// An abscissa and the function there.
-template <Precise Real>
 struct Sample {
-  Real x = 0;
-  Real y = 0;
+  double x = 0;
+  double y = 0;
 };
 
 /// Dekker and Brent's ZEROIN (Brent 1973, Algorithms for Minimization without Derivatives, ch. 4): bisection
 /// made safe and fast by the secant and inverse quadratic interpolation. `a` and `b` bracket a zero. Ends
 /// when the bracket is within 4 eps |x| + tolerance, or after `max_evaluations` evaluations. It returns the
 /// best sample, whose y says how good it is.
-template <Precise Real, class Function>
-Sample<Real> zeroin(Function function, Sample<Real> a, Sample<Real> b, Real tolerance,
-                    std::int32_t max_evaluations) {
-  Sample<Real> c = a;  // b is the best so far, a the one before, c on the other side of the zero from b
-  Real step = b.x - a.x;
-  Real step_before = step;
+template <class Function>
+Sample zeroin(Function function, Sample a, Sample b, double tolerance, std::int32_t max_evaluations) {
+  Sample c = a;  // b is the best so far, a the one before, c on the other side of the zero from b
+  double step = b.x - a.x;
+  double step_before = step;
   for (std::int32_t evaluations = 0; evaluations < max_evaluations; ++evaluations) {
     if ((b.y > 0) == (c.y > 0)) {
       c = a;
@@ -35,19 +33,19 @@ Sample<Real> zeroin(Function function, Sample<Real> a, Sample<Real> b, Real tole
       b = c;
       c = a;
     }
-    const Real near = 2 * std::numeric_limits<Real>::epsilon() * std::fabs(b.x) + tolerance / 2;
-    const Real half = (c.x - b.x) / 2;
+    const double near = 2 * std::numeric_limits<double>::epsilon() * std::fabs(b.x) + tolerance / 2;
+    const double half = (c.x - b.x) / 2;
     if (std::fabs(half) <= near || b.y == 0) return b;
 
-    Real next = half;
-    Real last = half;
+    double next = half;
+    double last = half;
     if (std::fabs(step_before) >= near && std::fabs(a.y) > std::fabs(b.y)) {
-      const Real s = b.y / a.y;
-      Real p = 2 * half * s;
-      Real q = 1 - s;
+      const double s = b.y / a.y;
+      double p = 2 * half * s;
+      double q = 1 - s;
       if (a.x != c.x) {  // three different samples: inverse quadratic
-        const Real r = b.y / c.y;
-        const Real u = a.y / c.y;
+        const double r = b.y / c.y;
+        const double u = a.y / c.y;
         p = s * (2 * half * u * (u - r) - (b.x - a.x) * (r - 1));
         q = (u - 1) * (r - 1) * (s - 1);
       }

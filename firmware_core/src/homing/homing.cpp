@@ -28,16 +28,15 @@ Error refusal(const char* what, const char* remedy) {
 
 }  // namespace
 
-template <Precise Real>
-Result<AxisHoming<Real>> AxisHoming<Real>::make(const HomingSpec<Real>& spec, FreeAxis<Real>& axis) {
-  for (const Real number : {spec.at, spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
+Result<AxisHoming> AxisHoming::make(const HomingSpec& spec, FreeAxis& axis) {
+  for (const double number : {spec.at, spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
     if (!std::isfinite(number)) {
       return Error{.code = ErrorCode::not_finite,
                    .what = "a number of the homing is not finite",
                    .remedy = "give numbers"};
     }
   }
-  for (const Real magnitude : {spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
+  for (const double magnitude : {spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
     if (!(magnitude > 0)) {
       return refusal("a way or a speed of the homing is not above 0", "give ways and speeds as magnitudes");
     }
@@ -52,32 +51,29 @@ Result<AxisHoming<Real>> AxisHoming<Real>::make(const HomingSpec<Real>& spec, Fr
 }
 
 /// The furthest that any phase may bring the axis from its start.
-template <Precise Real>
-Real AxisHoming<Real>::reach() const {
-  const FreeAxisLimits<Real>& limits = axis_->limits();
+double AxisHoming::reach() const {
+  const FreeAxisLimits& limits = axis_->limits();
   // A stop from `fast` takes at most velocity / acceleration + acceleration / jerk seconds.
-  const Real stop = spec_.fast * (spec_.fast / limits.acceleration + limits.acceleration / limits.jerk);
+  const double stop = spec_.fast * (spec_.fast / limits.acceleration + limits.acceleration / limits.jerk);
   return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_way() + stop);
 }
 
 /// A spike or a bounce that counted as the first edge of the fast search makes it early by at most this way.
-template <Precise Real>
-Real AxisHoming<Real>::spike_way() const {
-  constexpr Real second = 1'000'000'000;
-  return spec_.fast * 4 * (static_cast<Real>(spec_.home.quiet_ns) / second);
+double AxisHoming::spike_way() const {
+  constexpr double second = 1'000'000'000;
+  return spec_.fast * 4 * (static_cast<double>(spec_.home.quiet_ns) / second);
 }
 
-template <Precise Real>
-Status AxisHoming<Real>::can_begin(const HomingInput& input) const {
+Status AxisHoming::can_begin(const HomingInput& input) const {
   if (is_moving() || !axis_->is_resting()) return refusal("an axis moves already", "stop it first");
   if (input.limit_hit) {
     return refusal("an axis stands on a limit switch",
                    "drive it off the switch, slowly, and look where it goes");
   }
   if (input.drive_fault) return refusal("the drive of an axis has a fault", "see what the drive tells");
-  const Real here = axis_->position();
+  const double here = axis_->position();
   // A position far from 0 resolves no short way: the axis would back off by nothing, for ever.
-  if (!(std::fabs(here) + reach() <= Precision<Real>::largest && here - spec_.back_off < here &&
+  if (!(std::fabs(here) + reach() <= Precision::largest && here - spec_.back_off < here &&
         here + spec_.back_off > here)) {
     return refusal("the ways of the homing are too far to be computed",
                    "shorten them, or begin with a position near 0");
@@ -85,13 +81,11 @@ Status AxisHoming<Real>::can_begin(const HomingInput& input) const {
   return Done{};
 }
 
-template <Precise Real>
-bool AxisHoming<Real>::is_moving() const {
+bool AxisHoming::is_moving() const {
   return phase_ != HomingPhase::waiting && phase_ != HomingPhase::referenced && phase_ != HomingPhase::failed;
 }
 
-template <Precise Real>
-void AxisHoming<Real>::begin(std::int64_t now_ns, const HomingInput& input) {
+void AxisHoming::begin(std::int64_t now_ns, const HomingInput& input) {
   start_ = axis_->position();
   failure_ = HomingFailure::none;
   phase_ = HomingPhase::waiting;
@@ -107,9 +101,7 @@ void AxisHoming<Real>::begin(std::int64_t now_ns, const HomingInput& input) {
   apply(HomingSignal::begin);
 }
 
-template <Precise Real>
-void AxisHoming<Real>::observe(std::int64_t now_ns, const HomingInput& input,
-                               std::span<const LineEvent> events) {
+void AxisHoming::observe(std::int64_t now_ns, const HomingInput& input, std::span<const LineEvent> events) {
   if (!is_moving()) return;
   const SwitchChange change = switch_.update(now_ns, input.level, events);
   // This comes before the phases, because a stop may begin in this tick and the trail forgets.
@@ -130,8 +122,7 @@ void AxisHoming<Real>::observe(std::int64_t now_ns, const HomingInput& input,
   }
 }
 
-template <Precise Real>
-HomingFailure AxisHoming<Real>::fault(const HomingInput& input) const {
+HomingFailure AxisHoming::fault(const HomingInput& input) const {
   if (input.drive_fault) return HomingFailure::drive_fault;
   if (input.limit_hit) return HomingFailure::limit_hit;
   if (switch_.has_lost_events()) return HomingFailure::events_lost;
@@ -140,25 +131,22 @@ HomingFailure AxisHoming<Real>::fault(const HomingInput& input) const {
 }
 
 /// Looks up the position of an edge as soon as its time is known, because the trail is short.
-template <Precise Real>
-void AxisHoming<Real>::locate_edge() {
+void AxisHoming::locate_edge() {
   if (is_located_ && switch_.edge_ns() == located_ns_) return;
   located_ns_ = switch_.edge_ns();
-  const std::optional<Real> position = trail_.position_at(located_ns_);
+  const std::optional<double> position = trail_.position_at(located_ns_);
   is_located_ = switch_.is_timed() && position.has_value();
   edge_ = position.value_or(axis_->position());
 }
 
-template <Precise Real>
-void AxisHoming<Real>::apply(HomingSignal signal) {
+void AxisHoming::apply(HomingSignal signal) {
   const HomingStep step = homing_step(phase_, signal);
   phase_ = step.phase;
   if (step.failure != HomingFailure::none) failure_ = step.failure;
   act(step.action);
 }
 
-template <Precise Real>
-void AxisHoming<Real>::act(HomingAction action) {
+void AxisHoming::act(HomingAction action) {
   switch (action) {
     case HomingAction::leave:
       go_to(start_ - towards(spec_.leave), spec_.fast);
@@ -195,35 +183,30 @@ void AxisHoming<Real>::act(HomingAction action) {
 }
 
 /// The slow approach is only as good as the time of its edge.
-template <Precise Real>
-void AxisHoming<Real>::mark() {
+void AxisHoming::mark() {
   mark_ = edge_;
   if (phase_ == HomingPhase::latching && !is_located_) fail(HomingFailure::events_lost);
 }
 
-template <Precise Real>
-void AxisHoming<Real>::fail(HomingFailure failure) {
+void AxisHoming::fail(HomingFailure failure) {
   if (homing_step(phase_, HomingSignal::abort).phase == phase_) return;
   failure_ = failure;
   apply(HomingSignal::abort);
 }
 
 /// The range has room for every way, so that nothing is refused.
-template <Precise Real>
-void AxisHoming<Real>::go_to(Real position, Real speed) {
+void AxisHoming::go_to(double position, double speed) {
   if (!axis_->go_to(position, speed)) __builtin_trap();
 }
 
-template <Precise Real>
-void AxisHoming<Real>::halt() {
+void AxisHoming::halt() {
   axis_->halt();
   if (!is_moving()) return;
   if (failure_ == HomingFailure::none) failure_ = HomingFailure::stopped;
   apply(HomingSignal::cut);
 }
 
-template <Precise Real>
-Status Homing<Real>::start(std::int64_t now_ns, std::span<const HomingInput> inputs) {
+Status Homing::start(std::int64_t now_ns, std::span<const HomingInput> inputs) {
   if (inputs.size() != axes_.size()) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "the homing has not an input for every axis",
@@ -242,9 +225,8 @@ Status Homing<Real>::start(std::int64_t now_ns, std::span<const HomingInput> inp
   return Done{};
 }
 
-template <Precise Real>
-HomingState Homing<Real>::tick(std::int64_t now_ns, std::span<const HomingInput> inputs,
-                               std::span<const LineEvent> events, std::span<Setpoint<Real>> out) {
+HomingState Homing::tick(std::int64_t now_ns, std::span<const HomingInput> inputs,
+                         std::span<const LineEvent> events, std::span<Setpoint> out) {
   if (inputs.size() < axes_.size() || out.size() < axes_.size()) __builtin_trap();
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].observe(now_ns, inputs[i], events);
   // The first failure stops the others. Their own failure is then `other_axis`, so the operator sees the
@@ -262,34 +244,25 @@ HomingState Homing<Real>::tick(std::int64_t now_ns, std::span<const HomingInput>
   return state();
 }
 
-template <Precise Real>
-void Homing<Real>::stop() {
+void Homing::stop() {
   stop_all_for(HomingFailure::stopped);
 }
 
-template <Precise Real>
-void Homing<Real>::stop_all_for(HomingFailure failure) {
-  for (AxisHoming<Real>& axis : axes_) axis.fail(failure);
+void Homing::stop_all_for(HomingFailure failure) {
+  for (AxisHoming& axis : axes_) axis.fail(failure);
 }
 
-template <Precise Real>
-void Homing<Real>::halt() {
-  for (AxisHoming<Real>& axis : axes_) axis.halt();
+void Homing::halt() {
+  for (AxisHoming& axis : axes_) axis.halt();
 }
 
-template <Precise Real>
-HomingState Homing<Real>::state() const {
+HomingState Homing::state() const {
   const auto is = [](HomingPhase phase) {
-    return [phase](const AxisHoming<Real>& axis) { return axis.phase() == phase; };
+    return [phase](const AxisHoming& axis) { return axis.phase() == phase; };
   };
   if (std::ranges::all_of(axes_, is(HomingPhase::waiting))) return HomingState::waiting;
-  if (std::ranges::any_of(axes_, &AxisHoming<Real>::is_moving)) return HomingState::moving;
+  if (std::ranges::any_of(axes_, &AxisHoming::is_moving)) return HomingState::moving;
   return std::ranges::any_of(axes_, is(HomingPhase::failed)) ? HomingState::failed : HomingState::done;
 }
-
-template class AxisHoming<double>;
-template class AxisHoming<float>;
-template class Homing<double>;
-template class Homing<float>;
 
 }  // namespace inbetween

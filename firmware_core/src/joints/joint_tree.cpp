@@ -9,39 +9,31 @@ namespace inbetween {
 namespace {
 
 /// Nothing that people build reaches farther (m). It keeps every product far from overflow.
-template <Precise Real>
-constexpr Real max_way = static_cast<Real>(1e6);
+constexpr double max_way = 1e6;
 
-/// How far the axes of an origin may be from length 1 and from perpendicular. Matrices made from angles in
-/// the same precision are within 1e-15 or 1e-6; what is farther off is not a rotation.
-template <Precise Real>
-constexpr Real rotation_tolerance = static_cast<Real>(1e-9);
-template <>
-constexpr float rotation_tolerance<float> = 1e-5F;
+/// How far the axes of an origin may be from length 1 and from perpendicular. Matrices made from angles
+/// are within 1e-15; what is farther off is not a rotation.
+constexpr double rotation_tolerance = 1e-9;
 
-template <Precise Real>
-bool is_finite(const Vector3<Real>& v) {
+bool is_finite(const Vector3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-template <Precise Real>
-bool is_finite(const Joint<Real>& joint) {
-  const Rotation3<Real>& rotation = joint.origin.rotation;
+bool is_finite(const Joint& joint) {
+  const Rotation3& rotation = joint.origin.rotation;
   return std::isfinite(joint.factor) && std::isfinite(joint.offset) && is_finite(joint.axis) &&
          is_finite(joint.origin.position) && is_finite(rotation.x) && is_finite(rotation.y) &&
          is_finite(rotation.z);
 }
 
-template <Precise Real>
-Real length(const Vector3<Real>& v) {
+double length(const Vector3& v) {
   const std::array components{v.x, v.y, v.z};
-  return scaled_norm<Real>(3, [&](std::size_t i) { return components[i]; });
+  return scaled_norm(3, [&](std::size_t i) { return components[i]; });
 }
 
-template <Precise Real>
-bool is_rotation(const Rotation3<Real>& rotation) {
-  const Vector3<Real> z = cross(rotation.x, rotation.y);
-  const auto within = [](Real error) { return std::fabs(error) <= rotation_tolerance<Real>; };
+bool is_rotation(const Rotation3& rotation) {
+  const Vector3 z = cross(rotation.x, rotation.y);
+  const auto within = [](double error) { return std::fabs(error) <= rotation_tolerance; };
   return within(dot(rotation.x, rotation.x) - 1) && within(dot(rotation.y, rotation.y) - 1) &&
          within(dot(rotation.x, rotation.y)) && within(z.x - rotation.z.x) && within(z.y - rotation.z.y) &&
          within(z.z - rotation.z.z);
@@ -51,8 +43,7 @@ Error wrong_joint(std::size_t joint, ErrorCode code, const char* what, const cha
   return {.code = code, .what = what, .remedy = remedy, .axis = static_cast<std::int32_t>(joint)};
 }
 
-template <Precise Real>
-Status check(const Joint<Real>& joint, std::size_t index, std::int32_t coordinate_count) {
+Status check(const Joint& joint, std::size_t index, std::int32_t coordinate_count) {
   if (!is_finite(joint)) {
     return wrong_joint(index, ErrorCode::not_finite, "a joint has a number that is not finite",
                        "use finite numbers");
@@ -74,28 +65,26 @@ Status check(const Joint<Real>& joint, std::size_t index, std::int32_t coordinat
     return wrong_joint(index, ErrorCode::out_of_range, "the rotation of an origin is none",
                        "use right-handed perpendicular axes of length 1");
   }
-  if (length(joint.origin.position) > max_way<Real>) {
+  if (length(joint.origin.position) > max_way) {
     return wrong_joint(index, ErrorCode::out_of_range, "a link is more than 1e6 m from its parent",
                        "use metres");
   }
   return Done{};
 }
 
-template <Precise Real>
-Vector3<Real> with_length_1(const Vector3<Real>& v) {
+Vector3 with_length_1(const Vector3& v) {
   // The largest component first: the length of a tiny vector would lose digits.
-  const Real largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-  const Vector3<Real> scaled{v.x / largest, v.y / largest, v.z / largest};
-  const Real norm = std::sqrt(dot(scaled, scaled));
+  const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  const Vector3 scaled{v.x / largest, v.y / largest, v.z / largest};
+  const double norm = std::sqrt(dot(scaled, scaled));
   return {scaled.x / norm, scaled.y / norm, scaled.z / norm};
 }
 
 /// A joint value, in radians or metres.
-template <Precise Real>
-Result<Real> value_of(const Joint<Real>& joint, Real coordinate) {
-  if (joint.kind == JointKind::fixed) return Real(0);
-  const Real value = joint.factor * coordinate + joint.offset;
-  const Real limit = joint.kind == JointKind::revolute ? max_angle<Real> : max_way<Real>;
+Result<double> value_of(const Joint& joint, double coordinate) {
+  if (joint.kind == JointKind::fixed) return 0.0;
+  const double value = joint.factor * coordinate + joint.offset;
+  const double limit = joint.kind == JointKind::revolute ? max_angle : max_way;
   // Negated, so that a value that is not a number is refused too.
   if (!(std::fabs(value) <= limit)) {
     return Error{.code = ErrorCode::out_of_range,
@@ -107,8 +96,7 @@ Result<Real> value_of(const Joint<Real>& joint, Real coordinate) {
 }
 
 /// The frame of the link in the frame of its parent.
-template <Precise Real>
-Pose<Real> local_pose(const Joint<Real>& joint, Real value) {
+Pose local_pose(const Joint& joint, double value) {
   switch (joint.kind) {
     case JointKind::revolute:
       return {joint.origin.rotation * turned_about(joint.axis, sine_cosine(value)), joint.origin.position};
@@ -127,10 +115,9 @@ Link parent_of(std::span<const Link> links, std::int32_t parent) {
 }
 
 /// The motion of a link whose frame turns and moves with its parent, at `pose`.
-template <Precise Real>
-LinkMotion<Real> carried(const LinkMotion<Real>& parent, const Pose<Real>& pose) {
-  const Vector3<Real> arm = pose.position - parent.pose.position;
-  const Vector3<Real> turning = cross(parent.angular_velocity, arm);
+LinkMotion carried(const LinkMotion& parent, const Pose& pose) {
+  const Vector3 arm = pose.position - parent.pose.position;
+  const Vector3 turning = cross(parent.angular_velocity, arm);
   return {
       pose, parent.velocity + turning,
       parent.acceleration + cross(parent.angular_acceleration, arm) + cross(parent.angular_velocity, turning),
@@ -138,12 +125,11 @@ LinkMotion<Real> carried(const LinkMotion<Real>& parent, const Pose<Real>& pose)
 }
 
 /// Adds what the link's own joint does, whose value has these derivatives.
-template <Precise Real>
-void add_joint(const Joint<Real>& joint, Real first, Real second, LinkMotion<Real>& link) {
+void add_joint(const Joint& joint, double first, double second, LinkMotion& link) {
   if (joint.kind == JointKind::fixed) return;
   // A turn about the axis leaves the axis where it is: the frame of the link has it at any value.
-  const Vector3<Real> axis = link.pose.rotation * joint.axis;
-  const Vector3<Real> carried_along = cross(link.angular_velocity, axis * first);
+  const Vector3 axis = link.pose.rotation * joint.axis;
+  const Vector3 carried_along = cross(link.angular_velocity, axis * first);
   if (joint.kind == JointKind::revolute) {
     link.angular_acceleration += axis * second + carried_along;
     link.angular_velocity += axis * first;
@@ -155,9 +141,8 @@ void add_joint(const Joint<Real>& joint, Real first, Real second, LinkMotion<Rea
 
 }  // namespace
 
-template <Precise Real>
-Result<JointTree<Real>> JointTree<Real>::make(std::span<const Joint<Real>> joints,
-                                              std::int32_t coordinate_count, std::span<Joint<Real>> memory) {
+Result<JointTree> JointTree::make(std::span<const Joint> joints, std::int32_t coordinate_count,
+                                  std::span<Joint> memory) {
   if (joints.empty() || coordinate_count < 0) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "a tree has no link or a negative number of coordinates",
@@ -180,32 +165,30 @@ Result<JointTree<Real>> JointTree<Real>::make(std::span<const Joint<Real>> joint
   return tree;
 }
 
-template <Precise Real>
-Status JointTree<Real>::poses(std::span<const Real> coordinates, std::span<Pose<Real>> poses) const {
+Status JointTree::poses(std::span<const double> coordinates, std::span<Pose> poses) const {
   if (coordinates.size() != coordinate_count_ || poses.size() != joints_.size()) __builtin_trap();
   for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const Joint<Real>& joint = joints_[i];
-    const Real coordinate =
+    const Joint& joint = joints_[i];
+    const double coordinate =
         joint.coordinate < 0 ? 0 : coordinates[static_cast<std::size_t>(joint.coordinate)];
-    const Result<Real> value = value_of(joint, coordinate);
+    const Result<double> value = value_of(joint, coordinate);
     if (!value) return value.error();
-    poses[i] = parent_of<Pose<Real>>(poses, joint.parent) * local_pose(joint, *value);
+    poses[i] = parent_of<Pose>(poses, joint.parent) * local_pose(joint, *value);
   }
   return Done{};
 }
 
-template <Precise Real>
-void JointTree<Real>::jacobian(std::int32_t link, std::span<const Pose<Real>> poses,
-                               std::span<JacobianColumn<Real>> columns) const {
+void JointTree::jacobian(std::int32_t link, std::span<const Pose> poses,
+                         std::span<JacobianColumn> columns) const {
   if (columns.size() != coordinate_count_ || poses.size() != joints_.size()) __builtin_trap();
-  std::ranges::fill(columns, JacobianColumn<Real>{});
-  const Vector3<Real> tip = poses[static_cast<std::size_t>(link)].position;
+  std::ranges::fill(columns, JacobianColumn{});
+  const Vector3 tip = poses[static_cast<std::size_t>(link)].position;
   for (std::int32_t i = link; i >= 0; i = joints_[static_cast<std::size_t>(i)].parent) {
-    const Joint<Real>& joint = joints_[static_cast<std::size_t>(i)];
+    const Joint& joint = joints_[static_cast<std::size_t>(i)];
     if (joint.kind == JointKind::fixed) continue;
-    const Pose<Real>& pose = poses[static_cast<std::size_t>(i)];
-    JacobianColumn<Real>& column = columns[static_cast<std::size_t>(joint.coordinate)];
-    const Vector3<Real> per_unit = (pose.rotation * joint.axis) * joint.factor;
+    const Pose& pose = poses[static_cast<std::size_t>(i)];
+    JacobianColumn& column = columns[static_cast<std::size_t>(joint.coordinate)];
+    const Vector3 per_unit = (pose.rotation * joint.axis) * joint.factor;
     if (joint.kind == JointKind::revolute) {
       column.linear += cross(per_unit, tip - pose.position);
       column.angular += per_unit;
@@ -215,33 +198,26 @@ void JointTree<Real>::jacobian(std::int32_t link, std::span<const Pose<Real>> po
   }
 }
 
-template <Precise Real>
-Status JointTree<Real>::motion(std::span<const CoordinateMotion<Real>> coordinates,
-                               std::span<LinkMotion<Real>> links) const {
+Status JointTree::motion(std::span<const CoordinateMotion> coordinates, std::span<LinkMotion> links) const {
   if (coordinates.size() != coordinate_count_ || links.size() != joints_.size()) __builtin_trap();
   for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const Joint<Real>& joint = joints_[i];
-    const CoordinateMotion<Real> coordinate = joint.coordinate < 0
-                                                  ? CoordinateMotion<Real>{}
-                                                  : coordinates[static_cast<std::size_t>(joint.coordinate)];
-    const Result<Real> value = value_of(joint, coordinate.position);
+    const Joint& joint = joints_[i];
+    const CoordinateMotion coordinate =
+        joint.coordinate < 0 ? CoordinateMotion{} : coordinates[static_cast<std::size_t>(joint.coordinate)];
+    const Result<double> value = value_of(joint, coordinate.position);
     if (!value) return value.error();
-    const LinkMotion<Real> parent = parent_of<LinkMotion<Real>>(links, joint.parent);
+    const LinkMotion parent = parent_of<LinkMotion>(links, joint.parent);
     links[i] = carried(parent, parent.pose * local_pose(joint, *value));
     add_joint(joint, joint.factor * coordinate.velocity, joint.factor * coordinate.acceleration, links[i]);
   }
   return Done{};
 }
 
-template <Precise Real>
-bool JointTree<Real>::moves(std::int32_t coordinate, std::int32_t link) const {
+bool JointTree::moves(std::int32_t coordinate, std::int32_t link) const {
   for (std::int32_t i = link; i >= 0; i = joints_[static_cast<std::size_t>(i)].parent) {
     if (joints_[static_cast<std::size_t>(i)].coordinate == coordinate) return coordinate >= 0;
   }
   return false;
 }
-
-template class JointTree<double>;
-template class JointTree<float>;
 
 }  // namespace inbetween

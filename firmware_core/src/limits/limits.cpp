@@ -5,8 +5,7 @@
 namespace inbetween {
 namespace {
 
-template <Precise Real>
-Error refused(Real value, const char* not_finite, const char* out_of_range) {
+Error refused(double value, const char* not_finite, const char* out_of_range) {
   if (!std::isfinite(value)) {
     return Error{.code = ErrorCode::not_finite, .what = not_finite, .remedy = "use a number"};
   }
@@ -14,24 +13,21 @@ Error refused(Real value, const char* not_finite, const char* out_of_range) {
       .code = ErrorCode::out_of_range, .what = out_of_range, .remedy = "use a number above 0, within 1e15"};
 }
 
-template <Precise Real>
-bool is_magnitude(Real value) {
-  return value > 0 && value <= Precision<Real>::largest;
+bool is_magnitude(double value) {
+  return value > 0 && value <= Precision::largest;
 }
 
-template <Precise Real>
-bool is_absent_or_magnitude(const std::optional<Real>& value) {
+bool is_absent_or_magnitude(const std::optional<double>& value) {
   return !value || is_magnitude(*value);
 }
 
-template <Precise Real>
-Status check_range(Real min, Real max) {
+Status check_range(double min, double max) {
   if (!std::isfinite(min) || !std::isfinite(max)) {
     return Error{.code = ErrorCode::not_finite,
                  .what = "an end of the range of an axis is not a finite number",
                  .remedy = "give min and max, the positions that the axis can reach"};
   }
-  if (std::fabs(min) > Precision<Real>::largest || std::fabs(max) > Precision<Real>::largest) {
+  if (std::fabs(min) > Precision::largest || std::fabs(max) > Precision::largest) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an end of the range of an axis is too far away",
                  .remedy = "use positions within 1e15"};
@@ -44,8 +40,7 @@ Status check_range(Real min, Real max) {
   return Done{};
 }
 
-template <Precise Real>
-Status check_magnitudes(const AxisLimitsSpec<Real>& spec) {
+Status check_magnitudes(const AxisLimitsSpec& spec) {
   if (!is_magnitude(spec.max_velocity)) {
     return refused(spec.max_velocity, "max_velocity is not a finite number", "max_velocity is not a limit");
   }
@@ -64,8 +59,7 @@ Status check_magnitudes(const AxisLimitsSpec<Real>& spec) {
 }
 
 /// Both were completed, where the spec left them to the default.
-template <Precise Real>
-Status check_stop(const AxisLimitsSpec<Real>& limits) {
+Status check_stop(const AxisLimitsSpec& limits) {
   if (!is_magnitude(*limits.stop_acceleration)) {
     return refused(*limits.stop_acceleration, "stop_acceleration is not a finite number",
                    "stop_acceleration is not a limit");
@@ -88,22 +82,18 @@ Status check_stop(const AxisLimitsSpec<Real>& limits) {
 
 }  // namespace
 
-template <Precise Real>
-Result<AxisLimits<Real>> AxisLimits<Real>::make(const AxisLimitsSpec<Real>& spec) {
+Result<AxisLimits> AxisLimits::make(const AxisLimitsSpec& spec) {
   const Status range = check_range(spec.min, spec.max);
   if (!range) return range.error();
   const Status magnitudes = check_magnitudes(spec);
   if (!magnitudes) return magnitudes.error();
-  constexpr Real ratio = static_cast<Real>(default_stop_ratio);
-  AxisLimitsSpec<Real> limits = spec;
+  constexpr double ratio = static_cast<double>(default_stop_ratio);
+  AxisLimitsSpec limits = spec;
   if (!limits.stop_acceleration) limits.stop_acceleration = ratio * spec.max_acceleration;
   if (!limits.stop_jerk && spec.max_jerk) limits.stop_jerk = ratio * *spec.max_jerk;
   const Status stop = check_stop(limits);
   if (!stop) return stop.error();
   return AxisLimits(limits);
 }
-
-template class AxisLimits<double>;
-template class AxisLimits<float>;
 
 }  // namespace inbetween

@@ -6,13 +6,13 @@
 
 namespace inbetween {
 
-void raise_cells(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+void raise_cells(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
                  std::size_t first_axis, const MotionCells& cells) {
   bound_cells(trajectory, from, to, cells.line, cells.room.subspan(first_axis),
               cells.suprema.subspan(first_axis), cells.stride());
 }
 
-Status raise_cells(std::span<const RollAxis<double>> rolls, std::size_t first_axis, const MotionCells& cells,
+Status raise_cells(std::span<const RollAxis> rolls, std::size_t first_axis, const MotionCells& cells,
                    const TrajectoryMemory& memory) {
   if (rolls.empty()) return Done{};
   const Result<Trajectory> trajectory = roll_trajectory(rolls, memory);

@@ -35,22 +35,22 @@ class MotorSampler {
     return piece.degree == 1 && piece.begin_row == piece.end_row;
   }
 
-  SampledSpeed sample(const FrameTime<double>& time, Known&, std::span<AxisMotion<double>> out) const {
+  SampledSpeed sample(const FrameTime& time, Known&, std::span<AxisMotion> out) const {
     return sample(time, out);
   }
-  SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
-    const AxisMotion<double> axis = axes_->motion_of(axis_, time);
-    const CalibrationSlope<double> slope = calibration_->slope_at(axis.position);
+  SampledSpeed sample(const FrameTime& time, std::span<AxisMotion> out) const {
+    const AxisMotion axis = axes_->motion_of(axis_, time);
+    const CalibrationSlope slope = calibration_->slope_at(axis.position);
     out[0] = motor_of(axis, calibration_->motor_at(axis.position), slope);
     return known_of(out[0], slope.first * axis.position);
   }
-  SampledSpeed arriving(const MotorJoint& joint, std::span<AxisMotion<double>> out) const {
+  SampledSpeed arriving(const MotorJoint& joint, std::span<AxisMotion> out) const {
     return at_joint(joint, axis_at(joint, joint.piece_before, true), joint.curve_before, out[0]);
   }
-  SampledSpeed leaving(const MotorJoint& joint, std::span<AxisMotion<double>> out) const {
+  SampledSpeed leaving(const MotorJoint& joint, std::span<AxisMotion> out) const {
     return at_joint(joint, axis_at(joint, joint.piece_after, false), joint.curve_after, out[0]);
   }
-  static void write_reach(const PathPoint<double>&, double way, std::span<double> out) {
+  static void write_reach(const PathPoint&, double way, std::span<double> out) {
     std::ranges::fill(out, way);
   }
   [[nodiscard]] static std::uint8_t unbounded_order(const MotorJoint& joint, const SampledSpeed&,
@@ -59,31 +59,30 @@ class MotorSampler {
   }
 
  private:
-  static AxisMotion<double> motor_of(const AxisMotion<double>& axis, double position,
-                                     const CalibrationSlope<double>& slope) {
+  static AxisMotion motor_of(const AxisMotion& axis, double position, const CalibrationSlope& slope) {
     const auto [velocity, acceleration, jerk] =
-        motor_motion<double>(slope, {axis.velocity, axis.acceleration, axis.jerk});
+        motor_motion(slope, {axis.velocity, axis.acceleration, axis.jerk});
     return {position, velocity, acceleration, jerk};
   }
   /// An axis far from 0 is known within its rounding, and so is its motor where the curve is as steep as
   /// this: `place` is its slope times the position.
-  static SampledSpeed known_of(const AxisMotion<double>& motor, double place) {
+  static SampledSpeed known_of(const AxisMotion& motor, double place) {
     constexpr double rounding = distance_roundings * std::numeric_limits<double>::epsilon();
     return {.speed = std::fabs(motor.velocity), .off = rounding * std::fabs(place)};
   }
   /// The curve has two continuous derivatives: of the two pieces at a mark one says all but the third, so
   /// that neither side is beside the other by a rounding.
-  SampledSpeed at_joint(const MotorJoint& joint, const AxisMotion<double>& axis, std::uint8_t curve,
-                        AxisMotion<double>& out) const {
-    const std::span<const CalibrationPiece<double>> pieces = calibration_->pieces();
-    const CalibrationPiece<double>& piece = pieces[joint.curve_before];
+  SampledSpeed at_joint(const MotorJoint& joint, const AxisMotion& axis, std::uint8_t curve,
+                        AxisMotion& out) const {
+    const std::span<const CalibrationPiece> pieces = calibration_->pieces();
+    const CalibrationPiece& piece = pieces[joint.curve_before];
     const double t = axis.position - piece.from;
-    const CalibrationSlope<double> slope{piece.cubic.derivative(t), piece.cubic.second(t),
-                                         pieces[curve].cubic.third()};
+    const CalibrationSlope slope{piece.cubic.derivative(t), piece.cubic.second(t),
+                                 pieces[curve].cubic.third()};
     out = motor_of(axis, piece.cubic.value(t), slope);
     return known_of(out, slope.first * axis.position);
   }
-  [[nodiscard]] AxisMotion<double> axis_at(const MotorJoint& joint, std::uint32_t piece, bool is_end) const {
+  [[nodiscard]] AxisMotion axis_at(const MotorJoint& joint, std::uint32_t piece, bool is_end) const {
     const TrajectoryPiece& of = axes_->pieces()[piece];
     if (joint.time != (is_end ? axes_->end_of(piece) : of.begin)) return axes_->motion_of(axis_, joint.time);
     const auto value = [&](std::size_t k) { return at_end_of_piece(*axes_, of, axis_, k, is_end); };
@@ -92,7 +91,7 @@ class MotorSampler {
 
   const Trajectory* axes_;
   std::size_t axis_;
-  const Calibration<double>* calibration_;
+  const Calibration* calibration_;
   std::span<const MotorJoint> joints_;
 };
 

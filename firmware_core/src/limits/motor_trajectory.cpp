@@ -95,7 +95,7 @@ class JointWriter {
   }
   /// The marks that lie inside; mark k begins piece k of the curve, from 1 on.
   [[nodiscard]] std::pair<std::size_t, std::size_t> marks_between(double low, double high) const {
-    const auto from = [](const CalibrationPiece<double>& piece) { return piece.from; };
+    const auto from = [](const CalibrationPiece& piece) { return piece.from; };
     const auto marks = calibration_.pieces().subspan(1);
     const auto first = std::ranges::upper_bound(marks, low, {}, from);
     const auto last = std::ranges::lower_bound(marks, high, {}, from);
@@ -107,10 +107,10 @@ class JointWriter {
     const double to = part.c[part.degree] - mark;
     if (!((from < 0 && to >= 0) || (from > 0 && to <= 0))) return;
     const auto off = [&](double u) { return value_at(part, u) - mark; };
-    const double u = zeroin<double>(off, {part.begin, from}, {part.end, to}, 0, max_evaluations).x;
+    const double u = zeroin(off, {part.begin, from}, {part.end, to}, 0, max_evaluations).x;
     const TrajectoryPiece& piece = axes_.pieces()[index];
-    const FrameTime<double> time = moved_by(piece.begin, u / piece.inverse_frames);
-    const FrameTime<double> before = count_ <= out_.size() ? out_[count_ - 1].time : piece.begin;
+    const FrameTime time = moved_by(piece.begin, u / piece.inverse_frames);
+    const FrameTime before = count_ <= out_.size() ? out_[count_ - 1].time : piece.begin;
     if (before < time && time < axes_.end_of(index))
       add({.time = time, .piece_before = index, .piece_after = index});
   }
@@ -118,7 +118,7 @@ class JointWriter {
   /// Each break and each unbounded side of the axis is one of the motor. All are in their order.
   void take_notes() {
     std::size_t j = 0;
-    const auto go_to = [&](const FrameTime<double>& time) {
+    const auto go_to = [&](const FrameTime& time) {
       while (j < count_ && out_[j].time < time) ++j;
       return j < count_ && out_[j].time == time;
     };
@@ -146,7 +146,7 @@ class JointWriter {
 
   const Trajectory& axes_;
   std::size_t axis_;
-  const Calibration<double>& calibration_;
+  const Calibration& calibration_;
   std::span<MotorJoint> out_;
   std::size_t count_ = 0;
 };
@@ -162,14 +162,14 @@ Result<Trajectory> fit_motor(const MotorSource& source, std::span<MotorJoint> jo
   }
   const Result<std::span<const MotorJoint>> found = JointWriter(source, joints).write();
   if (!found) return found.error();
-  const CalibrationPiece<double>& first = source.calibration->pieces()[1];
-  const CalibrationPiece<double>& last = source.calibration->pieces().back();
+  const CalibrationPiece& first = source.calibration->pieces()[1];
+  const CalibrationPiece& last = source.calibration->pieces().back();
   const double slope = (last.cubic.c0 - first.cubic.c0) / (last.from - first.from);
   const double travel = std::fabs(slope) * source.travel;
   return fit_sampled(MotorSampler(source, *found), {.travel = std::span(&travel, 1)}, memory);
 }
 
-Result<Trajectory> fit_motor(const RollAxis<double>& roll, const Calibration<double>& calibration,
+Result<Trajectory> fit_motor(const RollAxis& roll, const Calibration& calibration,
                              std::span<MotorJoint> joints, const TrajectoryMemory& memory) {
   std::array<TrajectoryPiece, 1> piece;
   std::array<double, 6> values{};
@@ -177,7 +177,7 @@ Result<Trajectory> fit_motor(const RollAxis<double>& roll, const Calibration<dou
   const TrajectoryMemory of_axis{piece, values, bucket, {}, {}, {}, {}};
   const Result<Trajectory> axis = roll_trajectory(std::span(&roll, 1), of_axis);
   if (!axis) return axis.error();
-  const AxisPeaks<double> peaks = roll.peaks();
+  const AxisPeaks peaks = roll.peaks();
   const double travel = peaks.highest.value - peaks.lowest.value;
   return fit_motor(MotorSource{&*axis, 0, &calibration, travel}, joints, memory);
 }

@@ -5,8 +5,7 @@
 namespace inbetween {
 namespace {
 
-template <Precise Real>
-Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const WholeFrames& part,
+Status check_rolls(std::span<const RollAxis> rolls, RollEnd end, const WholeFrames& part,
                    const FrameRate& fps, std::size_t axes) {
   if (rolls.empty()) return Done{};
   if (rolls.size() != axes) {
@@ -36,32 +35,30 @@ Status check_rolls(std::span<const RollAxis<Real>> rolls, RollEnd end, const Who
 
 }  // namespace
 
-template <Precise Real>
-bool is_moving(const Track<Real>& track, RollEnd end) {
+bool is_moving(const Track& track, RollEnd end) {
   const bool at_start = end == RollEnd::before;
   if (!track.has_profile()) {
-    const std::span<const KeyInterval<Real>> intervals = track.key_intervals();
-    const KeyInterval<Real>& interval = at_start ? intervals.front() : intervals.back();
-    const Path<Real>& path = track.path();
+    const std::span<const KeyInterval> intervals = track.key_intervals();
+    const KeyInterval& interval = at_start ? intervals.front() : intervals.back();
+    const Path& path = track.path();
     const bool path_moves =
         std::ranges::any_of(path.segment(at_start ? 0 : path.segment_count()),
-                            [](const Cubic<Real>& cubic) { return cubic.c1 != 0 || cubic.c2 != 0; });
-    return path_moves && interval.rates(at_start ? Real{0} : Real{1}, track.frame_rate()).first != 0;
+                            [](const Cubic& cubic) { return cubic.c1 != 0 || cubic.c2 != 0; });
+    return path_moves && interval.rates(at_start ? 0.0 : 1.0, track.frame_rate()).first != 0;
   }
-  const SpeedProfile<Real>& profile = track.profile();
+  const SpeedProfile& profile = track.profile();
   return (at_start ? profile.span(0).b0 : profile.span(profile.span_count() - 1).b3) > 0;
 }
 
-template <Precise Real>
-bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisMotion<Real>> out) {
+bool joints_of(std::span<const Track> tracks, RollEnd end, std::span<AxisMotion> out) {
   bool moves = false;
-  for (const Track<Real>& track : tracks) {
+  for (const Track& track : tracks) {
     const auto axes = static_cast<std::size_t>(track.path().axis_count());
-    const std::span<AxisMotion<Real>> joints = out.first(axes);
+    const std::span<AxisMotion> joints = out.first(axes);
     out = out.subspan(axes);
     track.motion({end == RollEnd::before ? 0 : track.frames(), 0}, joints);
     const bool rests = !is_moving(track, end);
-    for (AxisMotion<Real>& joint : joints) {
+    for (AxisMotion& joint : joints) {
       if (rests) joint = {.position = joint.position};
       moves = moves || joint.velocity != 0 || joint.acceleration != 0;
     }
@@ -69,12 +66,11 @@ bool joints_of(std::span<const Track<Real>> tracks, RollEnd end, std::span<AxisM
   return moves;
 }
 
-template <Precise Real>
-Result<MoveLength> length_of(std::span<const Track<Real>> tracks) {
+Result<MoveLength> length_of(std::span<const Track> tracks) {
   if (tracks.empty())
     return Error{.code = ErrorCode::wrong_count, .what = "a move has no track", .remedy = "give it one"};
   MoveLength whole{.frames = tracks.front().frames(), .fps = tracks.front().frame_rate()};
-  for (const Track<Real>& track : tracks) {
+  for (const Track& track : tracks) {
     if (track.frames() != whole.frames || track.frame_rate() != whole.fps) {
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the tracks of a move differ in frames or frame rate",
@@ -85,9 +81,8 @@ Result<MoveLength> length_of(std::span<const Track<Real>> tracks) {
   return whole;
 }
 
-template <Precise Real>
-Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const MoveRolls<Real>& rolls,
-                                    const std::optional<WholeFrames>& part) {
+Result<Move> Move::make(std::span<const Track> tracks, const MoveRolls& rolls,
+                        const std::optional<WholeFrames>& part) {
   const Result<MoveLength> length = length_of(tracks);
   if (!length) return length.error();
   const MoveLength& whole = *length;
@@ -99,20 +94,11 @@ Result<Move<Real>> Move<Real>::make(std::span<const Track<Real>> tracks, const M
                  .needed = whole.frames};
   }
   for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
-    const std::span<const RollAxis<Real>> of_end = end == RollEnd::before ? rolls.before : rolls.after;
+    const std::span<const RollAxis> of_end = end == RollEnd::before ? rolls.before : rolls.after;
     const Status valid = check_rolls(of_end, end, move.part_, whole.fps, whole.axes);
     if (!valid) return valid.error();
   }
   return move;
 }
-
-template bool is_moving(const Track<double>&, RollEnd);
-template bool is_moving(const Track<float>&, RollEnd);
-template bool joints_of(std::span<const Track<double>>, RollEnd, std::span<AxisMotion<double>>);
-template bool joints_of(std::span<const Track<float>>, RollEnd, std::span<AxisMotion<float>>);
-template Result<MoveLength> length_of(std::span<const Track<double>>);
-template Result<MoveLength> length_of(std::span<const Track<float>>);
-template class Move<double>;
-template class Move<float>;
 
 }  // namespace inbetween

@@ -14,7 +14,7 @@ namespace {
 constexpr double cell_room = 0.005;
 
 /// Whether something is left of a step without its rounding.
-bool is_step(MoveStep& step, const AxisPeaks<double>& peaks, std::span<const AxisLimits<double>> limits) {
+bool is_step(MoveStep& step, const AxisPeaks& peaks, std::span<const AxisLimits> limits) {
   const auto drop = [](double& value, double peak, double limit) {
     if (!(value > step_rounding * std::max(std::isfinite(peak) ? peak : 0, limit))) value = 0;
   };
@@ -26,7 +26,7 @@ bool is_step(MoveStep& step, const AxisPeaks<double>& peaks, std::span<const Axi
 
 /// Of an axis or a motor, by its number in the peaks.
 void raise_room(std::size_t index, MoveBounds& out) {
-  const AxisPeaks<double>& peaks = out.peaks[index];
+  const AxisPeaks& peaks = out.peaks[index];
   MotionTriple& room = out.cells.room[index];
   const auto raise = [](double& value, double peak) {
     if (std::isfinite(peak)) value = std::max(value, cell_room * peak);
@@ -37,9 +37,9 @@ void raise_room(std::size_t index, MoveBounds& out) {
 }
 
 /// What a motor does on a part of what it plays, for its number in the peaks.
-void take_motor(const Trajectory& motor, const FrameTime<double>& from, const FrameTime<double>& to,
-                std::size_t index, MoveBounds& out) {
-  AxisPeaks<double> peaks;
+void take_motor(const Trajectory& motor, const FrameTime& from, const FrameTime& to, std::size_t index,
+                MoveBounds& out) {
+  AxisPeaks peaks;
   bound_trajectory(motor, from, to, std::span(&peaks, 1));
   out.peaks[index].raise(peaks);
   if (out.cells.line.cells == 0) return;
@@ -50,9 +50,9 @@ void take_motor(const Trajectory& motor, const FrameTime<double>& from, const Fr
 /// One track of a move.
 class TrackBounding {
  public:
-  TrackBounding(const Move<double>& move, const Track<double>& track, std::size_t index,
-                std::size_t first_axis, std::span<const AxisLimits<double>> limits,
-                std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out)
+  TrackBounding(const Move& move, const Track& track, std::size_t index, std::size_t first_axis,
+                std::span<const AxisLimits> limits, std::span<const CalibratedMotor> motors,
+                const MoveBoundsMemory& memory, MoveBounds& out)
       : move_(move),
         track_(track),
         index_(index),
@@ -86,15 +86,15 @@ class TrackBounding {
   }
 
  private:
-  [[nodiscard]] FrameTime<double> first_time() const { return {move_.part().first, 0}; }
-  [[nodiscard]] FrameTime<double> last_time() const { return {move_.part().last, 0}; }
+  [[nodiscard]] FrameTime first_time() const { return {move_.part().first, 0}; }
+  [[nodiscard]] FrameTime last_time() const { return {move_.part().last, 0}; }
 
   /// The stretch behind a joint, of so many joints, or as many as there is room for: these are returned.
   Result<std::size_t> take(const TrackSampler& sampler, std::size_t joint, std::size_t count) {
     const std::span<const SampledJoint> joints = sampler.joints();
-    const FrameTime<double> from = std::max(joints[joint].time, first_time());
+    const FrameTime from = std::max(joints[joint].time, first_time());
     while (true) {
-      const FrameTime<double> to = std::min(joints[joint + count].time, last_time());
+      const FrameTime to = std::min(joints[joint + count].time, last_time());
       if (!(from < to)) return count;  // it is not played
       // The next joint as well, so that what steps at the last one has both its sides.
       const std::size_t behind = std::min(joint + count + 1, joints.size() - 1);
@@ -111,8 +111,7 @@ class TrackBounding {
     }
   }
   /// It may be called again for a part of the stretch.
-  Status take_motors(const Trajectory& trajectory, const FrameTime<double>& from,
-                     const FrameTime<double>& to) {
+  Status take_motors(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to) {
     for (std::size_t m = 0; m < motors_.size(); ++m) {
       const CalibratedMotor& motor = motors_[m];
       if (motor.axis < first_axis_ || motor.axis - first_axis_ >= axes_) continue;
@@ -124,8 +123,7 @@ class TrackBounding {
     }
     return Done{};
   }
-  void take(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
-            bool has_more) {
+  void take(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to, bool has_more) {
     bound_trajectory(trajectory, from, to, memory_.peaks.first(axes_));
     for (std::size_t d = 0; d < axes_; ++d) out_.peaks[first_axis_ + d].raise(memory_.peaks[d]);
     for (const TrajectoryBreak& at : trajectory.breaks()) {
@@ -149,39 +147,38 @@ class TrackBounding {
     const bool is_end_of_whole = is_start ? move_.part().first == 0 : move_.part().last == move_.frames();
     if (!is_end_of_whole || is_moving(track_, end)) return;
     const SampledJoint& joint = is_start ? sampler.joints().front() : sampler.joints().back();
-    const std::span<AxisMotion<double>> motion = memory_.trajectory.samples.first(axes_);
+    const std::span<AxisMotion> motion = memory_.trajectory.samples.first(axes_);
     static_cast<void>(is_start ? sampler.leaving(joint, motion) : sampler.arriving(joint, motion));
     for (std::size_t d = 0; d < axes_; ++d)
       add(joint.time, joint.key, d, {motion[d].velocity, motion[d].acceleration});
   }
 
-  void add(const FrameTime<double>& time, std::int32_t key, std::size_t d, const TrajectoryStep& step) {
+  void add(const FrameTime& time, std::int32_t key, std::size_t d, const TrajectoryStep& step) {
     MoveStep found{.track = index_,
                    .key = key,
                    .frame = time.frame + time.fraction,
                    .axis = first_axis_ + d,
                    .velocity = std::fabs(step.velocity),
                    .acceleration = std::fabs(step.acceleration)};
-    const AxisPeaks<double>& peaks = out_.peaks[first_axis_ + d];
+    const AxisPeaks& peaks = out_.peaks[first_axis_ + d];
     if (!is_step(found, peaks, limits_)) return;
     if (out_.step_count < out_.steps.size()) out_.steps[out_.step_count] = found;
     ++out_.step_count;
   }
 
-  const Move<double>& move_;
-  const Track<double>& track_;
+  const Move& move_;
+  const Track& track_;
   std::size_t index_;
   std::size_t first_axis_;
   std::size_t axes_;
-  std::span<const AxisLimits<double>> limits_;
+  std::span<const AxisLimits> limits_;
   std::span<const CalibratedMotor> motors_;
   const MoveBoundsMemory& memory_;
   MoveBounds& out_;
 };
 
-Status check(const Move<double>& move, std::span<const Track<double>> tracks,
-             std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
-             const MoveBounds& out) {
+Status check(const Move& move, std::span<const Track> tracks, std::span<const AxisLimits> limits,
+             std::span<const CalibratedMotor> motors, const MoveBounds& out) {
   const std::size_t axes = move.axis_count();
   const Result<MoveLength> length = length_of(tracks);
   if (!length) return length.error();
@@ -213,7 +210,7 @@ Status check(const Move<double>& move, std::span<const Track<double>> tracks,
 }
 
 /// The memory of a trajectory holds the rolls of so many axes at a time.
-Status take_rolls(std::span<const RollAxis<double>> rolls, const MoveBoundsMemory& memory, MoveBounds& out) {
+Status take_rolls(std::span<const RollAxis> rolls, const MoveBoundsMemory& memory, MoveBounds& out) {
   for (std::size_t d = 0; d < rolls.size(); ++d) out.peaks[d].raise(rolls[d].peaks());
   if (out.cells.line.cells == 0) return Done{};
   for (std::size_t first = 0; first < rolls.size();) {
@@ -227,7 +224,7 @@ Status take_rolls(std::span<const RollAxis<double>> rolls, const MoveBoundsMemor
   return Done{};
 }
 
-Status take_rolls_of_motors(std::span<const RollAxis<double>> rolls, std::span<const CalibratedMotor> motors,
+Status take_rolls_of_motors(std::span<const RollAxis> rolls, std::span<const CalibratedMotor> motors,
                             const MoveBoundsMemory& memory, MoveBounds& out) {
   for (std::size_t m = 0; m < motors.size() && !rolls.empty(); ++m) {
     const Result<Trajectory> fitted =
@@ -239,7 +236,7 @@ Status take_rolls_of_motors(std::span<const RollAxis<double>> rolls, std::span<c
 }
 
 /// A peak that was found later may be one beside which an earlier step is rounding.
-void drop_rounding(std::span<const AxisLimits<double>> limits, MoveBounds& out) {
+void drop_rounding(std::span<const AxisLimits> limits, MoveBounds& out) {
   const std::size_t kept = std::min(out.step_count, out.steps.size());
   std::size_t count = 0;
   for (std::size_t i = 0; i < kept; ++i) {
@@ -251,12 +248,11 @@ void drop_rounding(std::span<const AxisLimits<double>> limits, MoveBounds& out) 
 
 }  // namespace
 
-Status bound_move(const Move<double>& move, std::span<const Track<double>> tracks,
-                  std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
-                  const MoveBoundsMemory& memory, MoveBounds& out) {
+Status bound_move(const Move& move, std::span<const Track> tracks, std::span<const AxisLimits> limits,
+                  std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out) {
   if (const Status checked = check(move, tracks, limits, motors, out); !checked) return checked;
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  for (AxisPeaks<double>& axis : out.peaks)
+  for (AxisPeaks& axis : out.peaks)
     axis = {
         .lowest = {infinity, 0}, .highest = {-infinity, 0}, .velocity = {}, .acceleration = {}, .jerk = {}};
   std::ranges::fill(out.cells.suprema, MotionTriple{});
@@ -267,7 +263,7 @@ Status bound_move(const Move<double>& move, std::span<const Track<double>> track
     if (!bounded) return bounded;
     first_axis += static_cast<std::size_t>(tracks[t].path().axis_count());
   }
-  for (const std::span<const RollAxis<double>> rolls : {move.rolls().before, move.rolls().after}) {
+  for (const std::span<const RollAxis> rolls : {move.rolls().before, move.rolls().after}) {
     const Status rolled = take_rolls(rolls, memory, out);
     if (!rolled) return rolled;
     const Status moved = take_rolls_of_motors(rolls, motors, memory, out);

@@ -16,9 +16,9 @@ double without_rounding(double value, double size) {
 /// The ends of a loop are in one place where they are within this share of the position.
 constexpr double loop_rounding = 1e-12;
 
-double position_of(const PlayedMotion& motion, std::size_t axis, const FrameTime<double>& time) {
-  const Move<double>& move = motion.move();
-  const std::span<const RollAxis<double>> rolls = move.rolls_at(time);
+double position_of(const PlayedMotion& motion, std::size_t axis, const FrameTime& time) {
+  const Move& move = motion.move();
+  const std::span<const RollAxis> rolls = move.rolls_at(time);
   if (!rolls.empty()) return rolls[axis].motion(time).position;
   for (const Trajectory& trajectory : motion.trajectories()) {
     if (axis < trajectory.axis_count()) return trajectory.motion_of(axis, move.within_part(time)).position;
@@ -28,7 +28,7 @@ double position_of(const PlayedMotion& motion, std::size_t axis, const FrameTime
 }
 
 /// The piece that a motion arrives with on a frame, or leaves it with.
-std::size_t piece_beside(const Trajectory& trajectory, const FrameTime<double>& at, bool arriving) {
+std::size_t piece_beside(const Trajectory& trajectory, const FrameTime& at, bool arriving) {
   for (const TrajectoryBreak& one : trajectory.breaks()) {
     if (std::fabs(frames_between(at, one.time)) <= frame_rounding)
       return arriving ? one.piece - 1 : one.piece;
@@ -38,11 +38,11 @@ std::size_t piece_beside(const Trajectory& trajectory, const FrameTime<double>& 
 }
 
 /// Of a frame inside the trajectory.
-void write_joint(const Trajectory& trajectory, const FrameTime<double>& at, bool arriving,
-                 std::span<AxisMotion<double>> out) {
+void write_joint(const Trajectory& trajectory, const FrameTime& at, bool arriving,
+                 std::span<AxisMotion> out) {
   const std::size_t index = piece_beside(trajectory, at, arriving);
   const TrajectoryPiece& piece = trajectory.pieces()[index];
-  const FrameTime<double> end = trajectory.end_of(index);
+  const FrameTime end = trajectory.end_of(index);
   trajectory.motion(at, out);
   const bool is_at_end = std::fabs(frames_between(at, arriving ? end : piece.begin)) <= frame_rounding;
   for (std::size_t d = 0; d < out.size(); ++d) {
@@ -64,15 +64,14 @@ void write_joint(const Trajectory& trajectory, const FrameTime<double>& at, bool
 }
 
 /// The roll that begins or ends with the motion at `joints`, written to `out`, or what is in the way.
-Result<std::optional<RollBreach<double>>> make_roll(const RollRequest<double>& request,
-                                                    std::span<RollAxis<double>> out) {
+Result<std::optional<RollBreach>> make_roll(const RollRequest& request, std::span<RollAxis> out) {
   const auto obstacle = roll_obstacle(request);
   if (!obstacle || *obstacle) return obstacle;
   const auto frames = roll_frames(request);
   if (!frames) return frames.error();
   const RollSpan span{request.end, request.joint_frame, *frames, request.fps};
   for (std::size_t d = 0; d < request.joints.size(); ++d) {
-    const auto axis = RollAxis<double>::make(span, request.joints[d]);
+    const auto axis = RollAxis::make(span, request.joints[d]);
     if (!axis) return axis.error();
     out[d] = *axis;
   }
@@ -85,12 +84,12 @@ Error wrong_length() {
           .remedy = "fit it to a whole track"};
 }
 
-bool lasts(const Trajectory& trajectory, const Move<double>& move, std::int32_t first, std::int32_t last) {
-  return trajectory.begin() == FrameTime<double>{first, 0} &&
-         trajectory.end() == FrameTime<double>{last, 0} && trajectory.frame_rate() == move.frame_rate();
+bool lasts(const Trajectory& trajectory, const Move& move, std::int32_t first, std::int32_t last) {
+  return trajectory.begin() == FrameTime{first, 0} && trajectory.end() == FrameTime{last, 0} &&
+         trajectory.frame_rate() == move.frame_rate();
 }
 
-Status check_motor(const PlayedMotor& motor, const Move<double>& move) {
+Status check_motor(const PlayedMotor& motor, const Move& move) {
   const auto is_there = [](const Trajectory* one, bool needed) {
     return needed ? one != nullptr && one->axis_count() == 1 : one == nullptr;
   };
@@ -112,25 +111,23 @@ Status check_motor(const PlayedMotor& motor, const Move<double>& move) {
 
 }  // namespace
 
-bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
-                    const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out) {
+bool joints_of_part(std::span<const Track> tracks, std::span<const Trajectory> trajectories,
+                    const WholeFrames& part, RollEnd end, std::span<AxisMotion> out) {
   const bool arriving = end == RollEnd::after;
   const std::int32_t frame = arriving ? part.last : part.first;
   if (frame == (arriving ? tracks.front().frames() : 0)) return joints_of(tracks, end, out);
   bool moves = false;
   for (const Trajectory& trajectory : trajectories) {
-    const std::span<AxisMotion<double>> joints = out.first(trajectory.axis_count());
+    const std::span<AxisMotion> joints = out.first(trajectory.axis_count());
     out = out.subspan(trajectory.axis_count());
     write_joint(trajectory, {frame, 0}, arriving, joints);
-    for (const AxisMotion<double>& joint : joints)
-      moves = moves || joint.velocity != 0 || joint.acceleration != 0;
+    for (const AxisMotion& joint : joints) moves = moves || joint.velocity != 0 || joint.acceleration != 0;
   }
   return moves;
 }
 
-Result<JoinedRolls> join_rolls(std::span<const Track<double>> tracks,
-                               std::span<const Trajectory> trajectories,
-                               std::span<const AxisLimits<double>> limits, const WholeFrames& part,
+Result<JoinedRolls> join_rolls(std::span<const Track> tracks, std::span<const Trajectory> trajectories,
+                               std::span<const AxisLimits> limits, const WholeFrames& part,
                                const RollMemory& memory) {
   const Result<MoveLength> length = length_of(tracks);
   if (!length) return length.error();
@@ -146,7 +143,7 @@ Result<JoinedRolls> join_rolls(std::span<const Track<double>> tracks,
   for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
     if (!joints_of_part(tracks, trajectories, part, end, memory.joints)) continue;
     const bool is_before = end == RollEnd::before;
-    const std::span<RollAxis<double>> rolls = is_before ? memory.before : memory.after;
+    const std::span<RollAxis> rolls = is_before ? memory.before : memory.after;
     const auto breach = make_roll({.end = end,
                                    .joint_frame = is_before ? part.first : part.last,
                                    .fps = length->fps,
@@ -164,7 +161,7 @@ Result<JoinedRolls> join_rolls(std::span<const Track<double>> tracks,
   return joined;
 }
 
-Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<const Trajectory> trajectories,
+Result<PlayedMotion> PlayedMotion::make(const Move& move, std::span<const Trajectory> trajectories,
                                         std::span<const PlayedMotor> motors) {
   std::size_t axes = 0;
   for (const Trajectory& trajectory : trajectories) axes += trajectory.axis_count();
@@ -184,43 +181,43 @@ Result<PlayedMotion> PlayedMotion::make(const Move<double>& move, std::span<cons
   return PlayedMotion(move, trajectories, motors);
 }
 
-void PlayedMotion::positions(const FrameTime<double>& time, std::span<double> out) const {
-  const std::span<const RollAxis<double>> rolls = move_.rolls_at(time);
+void PlayedMotion::positions(const FrameTime& time, std::span<double> out) const {
+  const std::span<const RollAxis> rolls = move_.rolls_at(time);
   for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
   if (!rolls.empty()) return;
-  const FrameTime<double> within = move_.within_part(time);
+  const FrameTime within = move_.within_part(time);
   for (const Trajectory& trajectory : trajectories_) {
     trajectory.positions(within, out.first(trajectory.axis_count()));
     out = out.subspan(trajectory.axis_count());
   }
 }
 
-void PlayedMotion::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
-  const std::span<const RollAxis<double>> rolls = move_.rolls_at(time);
+void PlayedMotion::motion(const FrameTime& time, std::span<AxisMotion> out) const {
+  const std::span<const RollAxis> rolls = move_.rolls_at(time);
   for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time);
   if (!rolls.empty()) return;
-  const FrameTime<double> within = move_.within_part(time);
+  const FrameTime within = move_.within_part(time);
   for (const Trajectory& trajectory : trajectories_) {
-    const std::span<AxisMotion<double>> axes = out.first(trajectory.axis_count());
+    const std::span<AxisMotion> axes = out.first(trajectory.axis_count());
     trajectory.motion(within, axes);
     // A part rests where no roll joins it.
-    for (AxisMotion<double>& axis : axes) {
+    for (AxisMotion& axis : axes) {
       if (move_.rests_at(time)) axis = {.position = axis.position};
     }
     out = out.subspan(trajectory.axis_count());
   }
 }
 
-AxisMotion<double> PlayedMotion::motion_of(const PlayedMotor& motor, const FrameTime<double>& time) const {
+AxisMotion PlayedMotion::motion_of(const PlayedMotor& motor, const FrameTime& time) const {
   const bool is_rolled = !move_.rolls_at(time).empty();
   if (is_rolled)
     return (time.frame < move_.part().first ? motor.pre_roll : motor.post_roll)->motion_of(0, time);
-  const AxisMotion<double> motion = motor.whole->motion_of(0, move_.within_part(time));
-  return move_.rests_at(time) ? AxisMotion<double>{.position = motion.position} : motion;
+  const AxisMotion motion = motor.whole->motion_of(0, move_.within_part(time));
+  return move_.rests_at(time) ? AxisMotion{.position = motion.position} : motion;
 }
 
 Status can_loop(const PlayedMotion& motion) {
-  const Move<double>& move = motion.move();
+  const Move& move = motion.move();
   for (std::size_t d = 0; d < move.axis_count(); ++d) {
     const double first = position_of(motion, d, {move.first_frame(), 0});
     const double last = position_of(motion, d, {move.last_frame(), 0});

@@ -2,7 +2,7 @@
 
 namespace inbetween {
 
-Result<Trajectory> roll_trajectory(std::span<const RollAxis<double>> rolls, const TrajectoryMemory& memory) {
+Result<Trajectory> roll_trajectory(std::span<const RollAxis> rolls, const TrajectoryMemory& memory) {
   const std::size_t axes = rolls.size();
   constexpr std::size_t numbers = 3;  // position, velocity, acceleration
   if (memory.pieces.empty() || memory.values.size() < 2 * numbers * axes) {
@@ -16,7 +16,7 @@ Result<Trajectory> roll_trajectory(std::span<const RollAxis<double>> rolls, cons
   const std::int32_t last = first + span.frames;
   for (std::size_t d = 0; d < axes; ++d) {
     const auto write = [&](std::int32_t frame, std::size_t row) {
-      const AxisMotion<double> motion = rolls[d].motion({frame, 0});
+      const AxisMotion motion = rolls[d].motion({frame, 0});
       memory.values[(numbers * row + 0) * axes + d] = motion.position;
       memory.values[(numbers * row + 1) * axes + d] = motion.velocity;
       memory.values[(numbers * row + 2) * axes + d] = motion.acceleration;

@@ -12,23 +12,18 @@ namespace {
 /// A release is planned with a little less than could be followed exactly: a playhead that advances in ticks
 /// is off by rounding, which grows while the rate falls, and needs room to come back. The set stays viable:
 /// the smaller Q is, the steeper it may be. Held by playhead_test (AStopAtEveryTick...).
-template <Precise Real>
-inline constexpr Real release_share = Real(0.99);
+inline constexpr double release_share = 0.99;
 
 /// What V permits, and so much more: the rounding of a playhead.
-template <Precise Real>
-inline constexpr Real state_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-6) : Real(1e-3);
+inline constexpr double state_rounding = 1e-6;
 
 /// In seconds. Where a change of the rate would take longer it waits for a better place.
-template <Precise Real>
-inline constexpr Real max_patience = 60;
+inline constexpr double max_patience = 60;
 
 /// A cell's supremum this share of a limit above the truth costs a thousandth of a stop.
-template <Precise Real>
-inline constexpr Real slack_share = Real(0.001);
+inline constexpr double slack_share = 0.001;
 
-template <Precise Real>
-Status check(const StopRequest<Real>& request, std::size_t cell_entries, std::size_t peaks) {
+Status check(const StopRequest& request, std::size_t cell_entries, std::size_t peaks) {
   const MotionCells& motion = request.motion;
   const std::size_t axes = motion.stride();
   if (request.limits.size() != axes || (peaks != 0 && peaks != axes)) {
@@ -61,34 +56,30 @@ Status check(const StopRequest<Real>& request, std::size_t cell_entries, std::si
 }
 
 /// In a cell without a pair the rate stays what it is; whatever its release may be, there is none.
-template <Precise Real>
-StopCell<Real> cell_of_pair(const StopRequest<Real>& request, const StopPair<Real>& pair) {
+StopCell cell_of_pair(const StopRequest& request, const StopPair& pair) {
   const auto [change, jerk] = pair;
-  const bool waits = request.may_wait && !(request.rate / change + change / jerk <= max_patience<Real>);
+  const bool waits = request.may_wait && !(request.rate / change + change / jerk <= max_patience);
   if (waits) return {0, 0, request.max_rate_jerk()};
   return {change, jerk, jerk};
 }
 
 /// The pair of every cell, up to the first without one.
-template <Precise Real>
-std::optional<StopObstacle<Real>> find_pairs(const StopRequest<Real>& request,
-                                             std::span<StopCell<Real>> out) {
+std::optional<StopObstacle> find_pairs(const StopRequest& request, std::span<StopCell> out) {
   const std::size_t cells = request.motion.line.cells;
   for (std::size_t cell = 0; cell < cells; ++cell) {
-    const PairSearch<Real> search(request, cell);
-    std::optional<StopObstacle<Real>> obstacle = search.obstacle();
+    const PairSearch search(request, cell);
+    std::optional<StopObstacle> obstacle = search.obstacle();
     if (obstacle && !request.may_wait) {
-      obstacle->frame = static_cast<Real>(request.motion.middle_frame(cell));
+      obstacle->frame = request.motion.middle_frame(cell);
       return obstacle;
     }
-    out[cell] = cell_of_pair(request, obstacle ? StopPair<Real>{} : search.quickest());
+    out[cell] = cell_of_pair(request, obstacle ? StopPair{} : search.quickest());
   }
   out[cells] = out[cells - 1];
   return std::nullopt;
 }
 
-template <Precise Real>
-Error refusal(const StopObstacle<Real>& obstacle) {
+Error refusal(const StopObstacle& obstacle) {
   const bool is_jerk = obstacle.quantity == StopQuantity::jerk;
   return {.code = ErrorCode::no_solution,
           .what = is_jerk ? "the jerk of the motion leaves nothing of the stop_jerk to slow down with"
@@ -100,21 +91,19 @@ Error refusal(const StopObstacle<Real>& obstacle) {
           .frame = obstacle.frame >= 0 ? static_cast<std::int32_t>(obstacle.frame) : -1};
 }
 
-template <Precise Real>
-void find_peaks(const StopRequest<Real>& request, std::span<const StopCell<Real>> cells,
-                std::span<AxisPeaks<Real>> out) {
-  const Real r = request.rate;
+void find_peaks(const StopRequest& request, std::span<const StopCell> cells, std::span<AxisPeaks> out) {
+  const double r = request.rate;
   const MotionCells& motion = request.motion;
-  for (AxisPeaks<Real>& axis : out) axis.velocity = axis.acceleration = axis.jerk = {};
+  for (AxisPeaks& axis : out) axis.velocity = axis.acceleration = axis.jerk = {};
   for (std::size_t cell = 0; cell < motion.line.cells; ++cell) {
-    const auto frame = static_cast<Real>(motion.middle_frame(cell));
+    const double frame = motion.middle_frame(cell);
     // A tick of the next cell may begin in this one.
-    Real change = 0;
+    double change = 0;
     for (std::size_t i = cell > 0 ? cell - 1 : 0; i <= std::min(cell + 2, motion.line.cells); ++i) {
       change = std::max(change, cells[i].rate_change);
     }
     for (std::size_t d = 0; d < out.size(); ++d) {
-      const auto [p1, p2, p3] = in_precision<Real>(motion.of_cell(cell)[d]);
+      const auto& [p1, p2, p3] = motion.of_cell(cell)[d];
       out[d].velocity.raise(p1 * r, frame);
       out[d].acceleration.raise(p2 * r * r + p1 * change, frame);
       out[d].jerk.raise(p3 * r * r * r + 3 * p2 * r * change + p1 * cells[cell].rate_jerk, frame);
@@ -124,15 +113,14 @@ void find_peaks(const StopRequest<Real>& request, std::span<const StopCell<Real>
 
 /// A stop under constant bounds, in seconds and in seconds of the time line: first a rate change above 0
 /// falls to 0, then the stop from `rate`, on which the rate is as much above half of it as below.
-template <Precise Real>
 struct ConstantStop {
-  Real seconds = 0;
-  Real distance = 0;
+  double seconds = 0;
+  double distance = 0;
 
-  ConstantStop(Real rate, Real rising, const StopPair<Real>& bound) {
+  ConstantStop(double rate, double rising, const StopPair& bound) {
     const auto [change, jerk] = bound;
-    const Real rise = std::min(rising / jerk, std::sqrt(2 * rate / jerk));
-    const Real fall =
+    const double rise = std::min(rising / jerk, std::sqrt(2 * rate / jerk));
+    const double fall =
         change * change <= jerk * rate ? rate / change + change / jerk : 2 * std::sqrt(rate / jerk);
     seconds = rise + fall;
     distance = rate * rise - jerk * rise * rise * rise / 6 + rate * fall / 2;
@@ -141,19 +129,18 @@ struct ConstantStop {
 
 }  // namespace
 
-template <Precise Real>
-StopBounds<Real>::StopBounds(const StopRequest<Real>& request, std::span<StopCell<Real>> cells)
+StopBounds::StopBounds(const StopRequest& request, std::span<StopCell> cells)
     : cells_(cells),
       rate_(request.rate),
       first_frame_(request.motion.line.first_frame),
       frames_(request.motion.line.last_frame - request.motion.line.first_frame) {
   const FrameRate fps = request.motion.fps;
-  cell_frames_ = static_cast<Real>(frames_) / static_cast<Real>(cell_count());
-  cell_seconds_ = cell_frames_ * static_cast<Real>(fps.denominator) / static_cast<Real>(fps.numerator);
+  cell_frames_ = static_cast<double>(frames_) / static_cast<double>(cell_count());
+  cell_seconds_ = cell_frames_ * static_cast<double>(fps.denominator) / static_cast<double>(fps.numerator);
 }
 
 /// Velocity matters where it takes a share of the acceleration at the largest rate change.
-std::size_t stop_cells(const Move<double>& move, std::int32_t rate_hz, double rate) {
+std::size_t stop_cells(const Move& move, std::int32_t rate_hz, double rate) {
   constexpr std::int64_t min_stop_cells = 64;
   const std::int32_t frames = move.last_frame() - move.first_frame();
   const std::int64_t ticks = last_tick(frames, move.frame_rate(), rate_hz);
@@ -162,26 +149,21 @@ std::size_t stop_cells(const Move<double>& move, std::int32_t rate_hz, double ra
   return static_cast<std::size_t>(std::max<std::int64_t>(std::min(wanted, longest), 1));
 }
 
-template <Precise Real>
-void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_seconds,
+void write_room(std::span<const AxisLimits> limits, double rate, double tick_seconds,
                 std::span<MotionTriple> out) {
-  const auto [max_rate_change, max_rate_jerk] = StopCaps<Real>(rate, tick_seconds);
+  const auto [max_rate_change, max_rate_jerk] = StopCaps(rate, tick_seconds);
   for (std::size_t d = 0; d < limits.size(); ++d) {
-    const Real acceleration = slack_share<Real> * limits[d].stop_acceleration();
-    const Real jerk =
-        slack_share<Real> * limits[d].stop_jerk().value_or(max_rate_change * limits[d].stop_acceleration());
-    const std::array<Real, motion_quantities> room{
-        std::min(acceleration / max_rate_change, jerk / max_rate_jerk),
-        std::min(acceleration / rate / rate, jerk / (3 * rate * max_rate_change)), jerk / rate / rate / rate};
-    std::ranges::transform(room, out[d].begin(), [](Real value) { return static_cast<double>(value); });
+    const double acceleration = slack_share * limits[d].stop_acceleration();
+    const double jerk =
+        slack_share * limits[d].stop_jerk().value_or(max_rate_change * limits[d].stop_acceleration());
+    out[d] = {std::min(acceleration / max_rate_change, jerk / max_rate_jerk),
+              std::min(acceleration / rate / rate, jerk / (3 * rate * max_rate_change)),
+              jerk / rate / rate / rate};
   }
 }
 
-template <Precise Real>
-Result<StopBounds<Real>> StopBounds<Real>::make(const StopRequest<Real>& request,
-                                                std::span<StopCell<Real>> cells,
-                                                std::span<AxisPeaks<Real>> peaks,
-                                                std::optional<StopObstacle<Real>>* obstacle) {
+Result<StopBounds> StopBounds::make(const StopRequest& request, std::span<StopCell> cells,
+                                    std::span<AxisPeaks> peaks, std::optional<StopObstacle>* obstacle) {
   if (const Status checked = check(request, cells.size(), peaks.size()); !checked) return checked.error();
   widen(request.motion);
   if (const auto found = find_pairs(request, cells)) {
@@ -192,17 +174,16 @@ Result<StopBounds<Real>> StopBounds<Real>::make(const StopRequest<Real>& request
   if (request.within != nullptr) result.stay_within(*request.within);
   result.make_continuous();
   if (!request.may_wait) result.find_longest();
-  if (!peaks.empty()) find_peaks<Real>(request, cells, peaks);
+  if (!peaks.empty()) find_peaks(request, cells, peaks);
   return result;
 }
 
 /// Cell by cell, before the sweeps: they keep what they are made from.
-template <Precise Real>
-void StopBounds<Real>::stay_within(const StopBounds& stops) {
+void StopBounds::stay_within(const StopBounds& stops) {
   for (std::size_t i = 0; i < cell_count(); ++i) {
-    const StopCell<Real>& here = stops.cells_[i];
-    const StopCell<Real>& next = stops.cells_[i + 1];
-    StopCell<Real>& own = cells_[i];
+    const StopCell& here = stops.cells_[i];
+    const StopCell& next = stops.cells_[i + 1];
+    StopCell& own = cells_[i];
     own.rate_change = std::min(own.rate_change, std::min(here.rate_change, next.rate_change));
     own.rate_jerk = std::min(own.rate_jerk, here.rate_jerk);
     own.release_jerk = std::min(own.release_jerk, std::min(here.release_jerk, next.release_jerk));
@@ -213,17 +194,16 @@ void StopBounds<Real>::stay_within(const StopBounds& stops) {
 /// At a border the lower of both sides, so that linear interpolation stays below both cells; then the two
 /// sweeps. R1 is below the pairs of two cells on each side: the R2 of a cell holds in its neighbours too, and
 /// only beside the R1 of its own pair.
-template <Precise Real>
-void StopBounds<Real>::make_continuous() {
+void StopBounds::make_continuous() {
   const std::size_t count = cell_count();
   for (std::size_t i = count - 1; i > 0; --i) {
     cells_[i].rate_change = std::min(cells_[i].rate_change, cells_[i - 1].rate_change);
     cells_[i].release_jerk = std::min(cells_[i].release_jerk, cells_[i - 1].release_jerk);
   }
-  Real before = cells_[0].rate_change;
+  double before = cells_[0].rate_change;
   for (std::size_t i = 0; i <= count; ++i) {
-    const Real own = cells_[i].rate_change;
-    const Real after = cells_[std::min(i + 1, count)].rate_change;
+    const double own = cells_[i].rate_change;
+    const double after = cells_[std::min(i + 1, count)].rate_change;
     cells_[i].rate_change = std::min(own, std::min(before, after));
     before = own;
   }
@@ -231,67 +211,61 @@ void StopBounds<Real>::make_continuous() {
   for (std::size_t i = count; i > 0; --i) limit_rate_change(i, i - 1, i - 1);
   for (std::size_t i = 0; i < count; ++i) limit_release_jerk(i, i + 1, i);
   for (std::size_t i = count; i > 0; --i) limit_release_jerk(i, i - 1, i - 1);
-  for (StopCell<Real>& cell : cells_) cell.release_jerk *= release_share<Real>;
+  for (StopCell& cell : cells_) cell.release_jerk *= release_share;
 }
 
-template <Precise Real>
-void StopBounds<Real>::limit_rate_change(std::size_t from, std::size_t to, std::size_t cell) {
-  const Real max_rate_change = cells_[from].rate_change + cells_[cell].rate_jerk * (cell_seconds_ / rate_);
+void StopBounds::limit_rate_change(std::size_t from, std::size_t to, std::size_t cell) {
+  const double max_rate_change = cells_[from].rate_change + cells_[cell].rate_jerk * (cell_seconds_ / rate_);
   cells_[to].rate_change = std::min(cells_[to].rate_change, max_rate_change);
 }
 
 /// From Q to Q' in one cell: Q' - Q <= c Q (R2 - Q') keeps (S) at every Q between them.
-template <Precise Real>
-void StopBounds<Real>::limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell) {
-  const Real jerk = cells_[cell].rate_jerk;
+void StopBounds::limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell) {
+  const double jerk = cells_[cell].rate_jerk;
   if (jerk == 0) return;  // no rate changes there, so that none has to be released
-  const Real change =
+  const double change =
       std::min(std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change), std::sqrt(2 * rate_ * jerk));
-  const Real c = 2 * cell_seconds_ / (rate_ * change);
-  const Real low = cells_[from].release_jerk;
+  const double c = 2 * cell_seconds_ / (rate_ * change);
+  const double low = cells_[from].release_jerk;
   cells_[to].release_jerk = std::min(cells_[to].release_jerk, low * ((1 + c * jerk) / (1 + c * low)));
 }
 
-template <Precise Real>
-typename StopBounds<Real>::Place StopBounds<Real>::place(const FrameTime<Real>& time) const {
+typename StopBounds::Place StopBounds::place(const FrameTime& time) const {
   const std::int64_t frame = static_cast<std::int64_t>(time.frame) - first_frame_;
   const auto count = static_cast<std::int64_t>(cell_count());
   if (frame < 0) return {0, 0};
   if (frame >= frames_) return {cell_count() - 1, 1};
   const std::int64_t scaled = frame * count;
   // In 32 bits, which a Cortex-M converts without its library.
-  const Real share = (static_cast<Real>(static_cast<std::int32_t>(scaled % frames_)) +
-                      time.fraction * static_cast<Real>(static_cast<std::int32_t>(count))) /
-                     static_cast<Real>(frames_);
+  const double share = (static_cast<double>(static_cast<std::int32_t>(scaled % frames_)) +
+                        time.fraction * static_cast<double>(static_cast<std::int32_t>(count))) /
+                       static_cast<double>(frames_);
   // One frame may be several cells.
   const auto whole = static_cast<std::int32_t>(share);
   const std::int64_t cell = scaled / frames_ + whole;
   if (cell >= count) return {cell_count() - 1, 1};
-  return {static_cast<std::size_t>(cell), share - static_cast<Real>(whole)};
+  return {static_cast<std::size_t>(cell), share - static_cast<double>(whole)};
 }
 
-template <Precise Real>
-StopBound<Real> StopBounds<Real>::at(const FrameTime<Real>& time) const {
+StopBound StopBounds::at(const FrameTime& time) const {
   const auto [cell, share] = place(time);
-  const StopCell<Real>& here = cells_[cell];
-  const StopCell<Real>& next = cells_[cell + 1];
+  const StopCell& here = cells_[cell];
+  const StopCell& next = cells_[cell + 1];
   return {here.rate_change + share * (next.rate_change - here.rate_change), here.rate_jerk,
           here.release_jerk + share * (next.release_jerk - here.release_jerk)};
 }
 
-template <Precise Real>
-bool StopBounds<Real>::permits(const FrameTime<Real>& time, Real rate, Real change) const {
-  constexpr Real more = 1 + state_rounding<Real>;
-  const StopBound<Real> bound = at(time);
-  const Real room = change < 0 ? rate : rate_ * more - rate;
+bool StopBounds::permits(const FrameTime& time, double rate, double change) const {
+  constexpr double more = 1 + state_rounding;
+  const StopBound bound = at(time);
+  const double room = change < 0 ? rate : rate_ * more - rate;
   return room >= 0 && std::fabs(change) <= bound.rate_change * more &&
-         change * change <= 2 * room * bound.release_jerk / release_share<Real> * more;
+         change * change <= 2 * room * bound.release_jerk / release_share * more;
 }
 
-template <Precise Real>
-StopBound<Real> StopBounds<Real>::min_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
-  StopBound<Real> lowest = at(from);
-  const auto lower = [&lowest](const StopBound<Real>& other) {
+StopBound StopBounds::min_between(const FrameTime& from, const FrameTime& to) const {
+  StopBound lowest = at(from);
+  const auto lower = [&lowest](const StopBound& other) {
     lowest.rate_change = std::min(lowest.rate_change, other.rate_change);
     lowest.rate_jerk = std::min(lowest.rate_jerk, other.rate_jerk);
     lowest.release_jerk = std::min(lowest.release_jerk, other.release_jerk);
@@ -303,58 +277,50 @@ StopBound<Real> StopBounds<Real>::min_between(const FrameTime<Real>& from, const
   return lowest;
 }
 
-template <Precise Real>
-StopLength<Real> StopBounds<Real>::stop_from_cell(std::size_t cell, bool forward) const {
-  StopPair<Real> lowest{cells_[cell].rate_change, cells_[cell].release_jerk};
-  const auto lowers = [&lowest](const StopCell<Real>& border) {
+StopLength StopBounds::stop_from_cell(std::size_t cell, bool forward) const {
+  StopPair lowest{cells_[cell].rate_change, cells_[cell].release_jerk};
+  const auto lowers = [&lowest](const StopCell& border) {
     const bool is_lower = border.rate_change < lowest.rate_change || border.release_jerk < lowest.rate_jerk;
     lowest = {std::min(lowest.rate_change, border.rate_change),
               std::min(lowest.rate_jerk, border.release_jerk)};
     return is_lower;
   };
   lowers(cells_[cell + 1]);
-  const Real rising = rising_in(cell);
-  ConstantStop<Real> stop(rate_, rising, lowest);
+  const double rising = rising_in(cell);
+  ConstantStop stop(rate_, rising, lowest);
   std::size_t border = forward ? cell + 1 : cell;
-  Real passed = 0;
+  double passed = 0;
   while (stop.distance > passed && border != (forward ? cell_count() : 0)) {
     border = forward ? border + 1 : border - 1;
     passed += cell_seconds_;
-    if (lowers(cells_[border])) stop = ConstantStop<Real>(rate_, rising, lowest);
+    if (lowers(cells_[border])) stop = ConstantStop(rate_, rising, lowest);
   }
   return {stop.seconds, frames_in(stop.distance)};
 }
 
-template <Precise Real>
-StopLength<Real> StopBounds<Real>::stop_from(const FrameTime<Real>& time, bool forward) const {
+StopLength StopBounds::stop_from(const FrameTime& time, bool forward) const {
   return stop_from_cell(place(time).cell, forward);
 }
 
 /// A cell is passed over where even a stop under the least bounds of all cells would not be the longest.
-template <Precise Real>
-void StopBounds<Real>::find_longest() {
-  StopPair<Real> least{cells_[0].rate_change, cells_[0].release_jerk};
-  for (const StopCell<Real>& cell : cells_) {
+void StopBounds::find_longest() {
+  StopPair least{cells_[0].rate_change, cells_[0].release_jerk};
+  for (const StopCell& cell : cells_) {
     least = {std::min(least.rate_change, cell.rate_change), std::min(least.rate_jerk, cell.release_jerk)};
   }
   for (std::size_t cell = 0; cell < cell_count(); ++cell) {
-    const ConstantStop<Real> most(rate_, rising_in(cell), least);
+    const ConstantStop most(rate_, rising_in(cell), least);
     if (most.seconds <= longest_in_time_.length.seconds &&
         frames_in(most.distance) <= longest_in_frames_.length.frames) {
       continue;
     }
-    const Real frame = static_cast<Real>(first_frame_) + (static_cast<Real>(cell) + Real(0.5)) * cell_frames_;
+    const double frame = static_cast<double>(first_frame_) + (static_cast<double>(cell) + 0.5) * cell_frames_;
     for (const bool forward : {true, false}) {
-      const StopLength<Real> length = stop_from_cell(cell, forward);
+      const StopLength length = stop_from_cell(cell, forward);
       if (length.seconds > longest_in_time_.length.seconds) longest_in_time_ = {length, frame, forward};
       if (length.frames > longest_in_frames_.length.frames) longest_in_frames_ = {length, frame, forward};
     }
   }
 }
-
-template class StopBounds<double>;
-template class StopBounds<float>;
-template void write_room(std::span<const AxisLimits<double>>, double, double, std::span<MotionTriple>);
-template void write_room(std::span<const AxisLimits<float>>, float, float, std::span<MotionTriple>);
 
 }  // namespace inbetween

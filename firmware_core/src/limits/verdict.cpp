@@ -11,8 +11,8 @@ namespace inbetween {
 namespace {
 
 std::optional<Breach> breach_of(const JudgedMove& move, std::size_t moved) {
-  const AxisPeaks<double>& peak = move.peaks[moved];
-  const AxisLimits<double>& limits = move.limits[moved];
+  const AxisPeaks& peak = move.peaks[moved];
+  const AxisLimits& limits = move.limits[moved];
   const auto breach = [&](BreachKind kind, double value, double limit, double frame) {
     return Breach{kind, static_cast<std::int32_t>(moved), 0, value, limit, frame};
   };
@@ -24,7 +24,7 @@ std::optional<Breach> breach_of(const JudgedMove& move, std::size_t moved) {
       return breach(BreachKind::above_range, peak.highest.value, limits.max(), peak.highest.frame);
   }
   constexpr std::array kinds{BreachKind::velocity, BreachKind::acceleration, BreachKind::jerk};
-  const std::array<const Peak<double>*, 3> found{&peak.velocity, &peak.acceleration, &peak.jerk};
+  const std::array<const Peak*, 3> found{&peak.velocity, &peak.acceleration, &peak.jerk};
   const std::array<std::optional<double>, 3> most{limits.max_velocity(), limits.max_acceleration(),
                                                   limits.max_jerk()};
   for (std::size_t q = 0; q < found.size(); ++q) {
@@ -43,7 +43,7 @@ std::optional<Breach> breach_of(const JudgedMove& move, std::size_t moved) {
 }
 
 /// What the peaks of an axis allow.
-double rate_of(const AxisPeaks<double>& peaks, const AxisLimits<double>& limits) {
+double rate_of(const AxisPeaks& peaks, const AxisLimits& limits) {
   double rate = std::numeric_limits<double>::infinity();
   if (peaks.velocity.value > 0) rate = std::min(rate, limits.max_velocity() / peaks.velocity.value);
   if (peaks.acceleration.value > 0)
@@ -55,12 +55,12 @@ double rate_of(const AxisPeaks<double>& peaks, const AxisLimits<double>& limits)
 
 }  // namespace
 
-RangeVerdict judge_range(double lowest, double highest, const AxisLimits<double>& limits) {
+RangeVerdict judge_range(double lowest, double highest, const AxisLimits& limits) {
   const double rounding = position_rounding(limits.min(), limits.max());
   return {.below = limits.min() - lowest > rounding, .above = highest - limits.max() > rounding};
 }
 
-bool breaks_jerk_limit(double acceleration_step, const AxisLimits<double>& limits) {
+bool breaks_jerk_limit(double acceleration_step, const AxisLimits& limits) {
   return limits.max_jerk() && acceleration_step > limits.max_acceleration_step();
 }
 
@@ -79,7 +79,7 @@ HighestRate highest_rate(const JudgedMove& move) {
     rate = std::min(rate, rate_of(move.peaks[d], move.limits[d]));
   HighestRate found{.between_steps = rate * downward};
   for (const MoveStep& step : move.steps) {
-    const AxisLimits<double>& limits = move.limits[step.axis];
+    const AxisLimits& limits = move.limits[step.axis];
     if (step.velocity > 0) rate = 0;
     if (limits.max_jerk() && step.acceleration > 0)
       rate = std::min(rate, std::sqrt(limits.max_acceleration_step() / step.acceleration));

@@ -15,13 +15,12 @@ namespace {
 
 /// The sum of the weighted chords: a lower bound of the length that is never 0 for a path that moves
 /// from key to key.
-template <Precise Real>
-Real chord_sum(const Path<Real>& path) {
-  Real sum = 0;
+double chord_sum(const Path& path) {
+  double sum = 0;
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
     const auto here = path.segment(i);
     const auto next = path.segment(i + 1);
-    Real largest = 0;
+    double largest = 0;
     for (std::size_t d = 0; d < here.size(); ++d) {
       largest = std::max(largest, path.weights()[d] * std::fabs(next[d].c0 - here[d].c0));
     }
@@ -35,15 +34,14 @@ constexpr std::size_t max_buckets_per_piece = 4;
 
 /// bucket b holds the last piece that begins at or before b / buckets of the length. Every piece is put into
 /// the first bucket that may hold it, and then every bucket takes over what is before it: no branch to guess.
-template <Precise Real>
-void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
+void fill_buckets(std::span<const double> next_begins, double buckets_per_length,
                   std::span<std::int32_t> buckets) {
   std::ranges::fill(buckets, 0);
   for (std::size_t piece = 0; piece + 1 < next_begins.size(); ++piece) {
     // The same rounded product as in the look-up decides, so that no piece is missed by an ulp.
-    const Real begin = next_begins[piece] * buckets_per_length;
+    const double begin = next_begins[piece] * buckets_per_length;
     auto bucket = static_cast<std::size_t>(static_cast<std::int32_t>(begin));
-    bucket += static_cast<Real>(bucket) < begin ? 1 : 0;
+    bucket += static_cast<double>(bucket) < begin ? 1 : 0;
     if (bucket < buckets.size()) buckets[bucket] = static_cast<std::int32_t>(piece + 1);
   }
   std::int32_t last = 0;
@@ -55,10 +53,9 @@ void fill_buckets(std::span<const Real> next_begins, Real buckets_per_length,
 
 /// Whether no way is before the one in front of it. Their distances from the start are not either, then:
 /// rounding keeps the order.
-template <Precise Real>
-bool rise(std::span<const Real> ways) {
-  // Counted in numbers as wide as Real, of which the compiler makes lanes.
-  std::conditional_t<sizeof(Real) == sizeof(std::int64_t), std::int64_t, std::int32_t> falls = 0;
+bool rise(std::span<const double> ways) {
+  // Counted in numbers as wide as a double, of which the compiler makes lanes.
+  std::int64_t falls = 0;
   for (std::size_t i = 1; i < ways.size(); ++i) falls += ways[i] < ways[i - 1] ? 1 : 0;
   return falls == 0;
 }
@@ -71,12 +68,12 @@ Number within(const Number& x) {
   return if_less(nonnegative, one, nonnegative, one);
 }
 /// A plain piece in lanes: what ArcPiece::plain_t gives for each, to the bit.
-template <class Number, Precise Real>
+template <class Number>
 struct PlainPiece {
   Number inverse_step;
   std::array<Number, 8> c;
 
-  explicit PlainPiece(const ArcPiece<Real>& piece) : inverse_step(piece.inverse_step) {
+  explicit PlainPiece(const ArcPiece& piece) : inverse_step(piece.inverse_step) {
     for (std::size_t k = 0; k < c.size(); ++k) c[k] = Number(piece.c[k]);
   }
   [[nodiscard]] Number plain_t(const Number& offset) const {
@@ -85,13 +82,12 @@ struct PlainPiece {
 };
 
 /// Ways from a place of the path, which rise.
-template <Precise Real>
 struct RisingWays {
-  Real begin;
-  std::span<const Real> ways;
+  double begin;
+  std::span<const double> ways;
 
   [[nodiscard]] std::size_t size() const { return ways.size(); }
-  [[nodiscard]] bool is_before(std::size_t i, Real distance) const { return begin + ways[i] < distance; }
+  [[nodiscard]] bool is_before(std::size_t i, double distance) const { return begin + ways[i] < distance; }
 };
 
 /// Points found one after the other, and whether they are in order.
@@ -103,14 +99,14 @@ struct Found {
 /// Finds the points of ways, from the first to the last before `to`, all on one plain piece. Points behind
 /// those may be overwritten: four are evaluated at once, and the next ones without waiting for how many of
 /// the four are before `to`.
-template <class Number, Precise Real>
-Found find_points(const ArcPiece<Real>& piece, Real offset, Real to, const RisingWays<Real>& rising,
-                  std::span<PathPoint<Real>> points) {
+template <class Number>
+Found find_points(const ArcPiece& piece, double offset, double to, const RisingWays& rising,
+                  std::span<PathPoint> points) {
   std::size_t done = 0;
-  Real last = 0;
+  double last = 0;
   bool in_order = true;
   if constexpr (lanes_are_quick) {
-    const PlainPiece<Number, Real> own(piece);
+    const PlainPiece<Number> own(piece);
     Number fallen(0);
     while (done + lane_count <= rising.size()) {
       const Number t = own.plain_t(offset + Number::from(rising.ways.subspan(done)));
@@ -124,7 +120,7 @@ Found find_points(const ArcPiece<Real>& piece, Real offset, Real to, const Risin
     while (done > 0 && !rising.is_before(done - 1, to)) --done;
   }
   for (; done < rising.size() && rising.is_before(done, to); ++done) {
-    const Real t = piece.plain_t(offset + rising.ways[done]);
+    const double t = piece.plain_t(offset + rising.ways[done]);
     in_order = in_order && t >= last;
     last = t;
     points[done] = {piece.segment, t};
@@ -134,18 +130,19 @@ Found find_points(const ArcPiece<Real>& piece, Real offset, Real to, const Risin
 
 /// Locates ways. `find` gives the piece of a distance, `locate` the point of a way. Returns whether the
 /// points are in order.
-template <Precise Real, class Find, class Locate>
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool locate_ways(std::span<const ArcPiece<Real>> pieces,
-                                                             std::span<const Real> next_begins, Real path_end,
-                                                             const TwoSum<Real>& begin, const Find& find,
-                                                             const Locate& locate, std::span<const Real> ways,
-                                                             std::span<PathPoint<Real>> points) {
+template <class Find, class Locate>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool locate_ways(std::span<const ArcPiece> pieces,
+                                                             std::span<const double> next_begins,
+                                                             double path_end, const TwoSum& begin,
+                                                             const Find& find, const Locate& locate,
+                                                             std::span<const double> ways,
+                                                             std::span<PathPoint> points) {
   const bool rises = rise(ways);
   const bool is_wide = has_wide_registers();
   std::size_t index = pieces.size();
   bool in_order = true;
   for (std::size_t i = 0; i < ways.size();) {
-    const Real distance = begin.high + ways[i];
+    const double distance = begin.high + ways[i];
     const bool is_inside = distance > 0 && distance < path_end;  // the ends are exact
     Found found;
     if (is_inside && rises) {
@@ -154,13 +151,13 @@ template <Precise Real, class Find, class Locate>
       } else {
         index = find(distance);
       }
-      const ArcPiece<Real>& piece = pieces[index];
-      if (piece.kind == ArcPiece<Real>::Kind::plain) {
-        const Real to = std::min(next_begins[index], path_end);
-        const Real offset = piece.offset(begin);
-        const RisingWays<Real> rest{begin.high, ways.subspan(i)};
-        found = is_wide ? find_points<WideLanes<Real>, Real>(piece, offset, to, rest, points.subspan(i))
-                        : find_points<Lanes<Real>, Real>(piece, offset, to, rest, points.subspan(i));
+      const ArcPiece& piece = pieces[index];
+      if (piece.kind == ArcPiece::Kind::plain) {
+        const double to = std::min(next_begins[index], path_end);
+        const double offset = piece.offset(begin);
+        const RisingWays rest{begin.high, ways.subspan(i)};
+        found = is_wide ? find_points<WideLanes>(piece, offset, to, rest, points.subspan(i))
+                        : find_points<Lanes<register_bytes>>(piece, offset, to, rest, points.subspan(i));
       }
     }
     if (found.count == 0) {
@@ -174,10 +171,10 @@ template <Precise Real, class Find, class Locate>
   return in_order;
 }
 
-template <Precise Real, std::size_t Count>
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_speeds(const SegmentSpeed<Real>& speed,
-                                                              const std::array<Real, Count>& t,
-                                                              std::array<Real, Count>& out) {
+template <std::size_t Count>
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_speeds(const SegmentSpeed& speed,
+                                                              const std::array<double, Count>& t,
+                                                              std::array<double, Count>& out) {
   out = speed.at(t);
 }
 
@@ -190,13 +187,12 @@ Error too_many_pieces(std::size_t needed) {
 
 }  // namespace
 
-template <Precise Real>
-Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcLengthOptions<Real>& options,
-                                              const ArcLengthMemory<Real>& memory) {
-  if (!(options.delta >= Precision<Real>::smallest_delta && options.delta < Real(0.1))) {
+Result<ArcLength> ArcLength::make(const Path& path, const ArcLengthOptions& options,
+                                  const ArcLengthMemory& memory) {
+  if (!(options.delta >= Precision::smallest_delta && options.delta < 0.1)) {
     return Error{.code = ErrorCode::accuracy,
                  .what = "this delta cannot be reached in floating point",
-                 .remedy = "use one from 1e-9 (double) or 4e-6 (float) to 0.1; the default is 1e-6 (1e-5)"};
+                 .remedy = "use one from 1e-9 to 0.1; the default is 1e-6"};
   }
   const auto segments = static_cast<std::size_t>(path.segment_count());
   if (memory.first_pieces.size() < segments + 1 || memory.segment_begins.size() < segments + 1) {
@@ -205,13 +201,13 @@ Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcL
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(segments)};
   }
-  const Real chords = chord_sum(path);
-  if (chords > 0 && chords < Precision<Real>::smallest_square_root) {
+  const double chords = chord_sum(path);
+  if (chords > 0 && chords < Precision::smallest_square_root) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "the path is too short for this floating-point type",
                  .remedy = "use a smaller unit or larger weights, so that its numbers become larger"};
   }
-  InverseBuilder<Real> builder(options, chords, memory);
+  InverseBuilder builder(options, chords, memory);
   for (std::size_t i = 0; i < segments; ++i) {
     memory.first_pieces[i] = static_cast<std::int32_t>(builder.list().count());
     memory.segment_begins[i] = builder.length();
@@ -239,9 +235,9 @@ Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcL
   result.next_begins_ = memory.begins.first(pieces);
   if (pieces > 0) {
     std::shift_left(memory.begins.begin(), memory.begins.begin() + static_cast<std::ptrdiff_t>(pieces), 1);
-    memory.begins[pieces - 1] = std::numeric_limits<Real>::infinity();
-    result.buckets_per_length_ = static_cast<Real>(result.buckets_.size()) / result.total() *
-                                 (1 - 4 * std::numeric_limits<Real>::epsilon());
+    memory.begins[pieces - 1] = std::numeric_limits<double>::infinity();
+    result.buckets_per_length_ = static_cast<double>(result.buckets_.size()) / result.total() *
+                                 (1 - 4 * std::numeric_limits<double>::epsilon());
     fill_buckets(result.next_begins_, result.buckets_per_length_,
                  memory.buckets.first(result.buckets_.size()));
   }
@@ -249,8 +245,7 @@ Result<ArcLength<Real>> ArcLength<Real>::make(const Path<Real>& path, const ArcL
 }
 
 /// Bisection among the pieces behind `piece` in its bucket.
-template <Precise Real>
-std::size_t ArcLength<Real>::piece_in_crowd(std::size_t piece, std::size_t bucket, Real distance) const {
+std::size_t ArcLength::piece_in_crowd(std::size_t piece, std::size_t bucket, double distance) const {
   std::size_t low = piece + 1;
   std::size_t high =
       bucket + 1 < buckets_.size() ? static_cast<std::size_t>(buckets_[bucket + 1]) : pieces_.size() - 1;
@@ -265,30 +260,25 @@ std::size_t ArcLength<Real>::piece_in_crowd(std::size_t piece, std::size_t bucke
   return low;
 }
 
-template <Precise Real>
-bool ArcLength<Real>::locate(const TwoSum<Real>& begin, std::span<const Real> ways,
-                             std::span<PathPoint<Real>> points) const {
-  return locate_ways<Real>(
-      pieces_, next_begins_, end_.high, begin, [&](Real distance) { return piece_at(distance); },
-      [&](Real way) { return locate(begin, way); }, ways, points);
+bool ArcLength::locate(const TwoSum& begin, std::span<const double> ways, std::span<PathPoint> points) const {
+  return locate_ways(
+      pieces_, next_begins_, end_.high, begin, [&](double distance) { return piece_at(distance); },
+      [&](double way) { return locate(begin, way); }, ways, points);
 }
 
-template <Precise Real>
-TwoSum<Real> ArcLength<Real>::distance(const Path<Real>& path, const PathPoint<Real>& point) const {
-  return distance(SegmentSpeed<Real>(path.segment(point.segment), path.weights()), point).distance;
+TwoSum ArcLength::distance(const Path& path, const PathPoint& point) const {
+  return distance(SegmentSpeed(path.segment(point.segment), path.weights()), point).distance;
 }
 
-template <Precise Real>
-DistanceAndSpeed<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed,
-                                                 const PathPoint<Real>& point) const {
+DistanceAndSpeed ArcLength::distance(const SegmentSpeed& speed, const PathPoint& point) const {
   const auto segment = static_cast<std::size_t>(point.segment);
-  TwoSum<Real> sum = segment_begins_[std::min(segment, segment_begins_.size() - 1)];
+  TwoSum sum = segment_begins_[std::min(segment, segment_begins_.size() - 1)];
   const bool is_passed_in_no_distance =
       point.segment < segment_count() && first_pieces_[segment] == first_pieces_[segment + 1];
   if (speed.is_still() || is_passed_in_no_distance) return {sum, 0};
 
   // Past the end of an open path the speed is that of the continuation, in one stretch.
-  Real from = 0;
+  double from = 0;
   if (point.segment < segment_count()) {
     auto piece = static_cast<std::size_t>(first_pieces_[segment]);
     auto end = static_cast<std::size_t>(first_pieces_[segment + 1]);
@@ -299,21 +289,18 @@ DistanceAndSpeed<Real> ArcLength<Real>::distance(const SegmentSpeed<Real>& speed
     from = pieces_[piece].c[0];
     sum = begin_of(piece);
   }
-  const Real extent = point.t - from;
-  using Rule = GaussLegendre<Real>;
+  const double extent = point.t - from;
+  using Rule = GaussLegendre;
   constexpr std::size_t nodes = Rule::node.size();
-  std::array<Real, nodes + 1> t;  // and the point itself, in a lane that would do nothing
+  std::array<double, nodes + 1> t;  // and the point itself, in a lane that would do nothing
   for (std::size_t i = 0; i < nodes; ++i) t[i] = from + extent * Rule::node[i];
   t[nodes] = point.t;
-  std::array<Real, nodes + 1> speeds;
+  std::array<double, nodes + 1> speeds;
   write_speeds(speed, t, speeds);
-  Real mean = 0;
+  double mean = 0;
   for (std::size_t i = 0; i < nodes; ++i) mean += Rule::weight[i] * speeds[i];
   sum.add(speed.unit() * (mean * extent));
   return {sum, speed.unit() * speeds[nodes]};
 }
-
-template class ArcLength<double>;
-template class ArcLength<float>;
 
 }  // namespace inbetween

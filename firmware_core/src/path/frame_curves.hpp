@@ -24,10 +24,9 @@ inline constexpr std::size_t rest_parts = 4;
 ///   plain:            M_right = (4 m_1 + 2 m_0) / h - 6 D / h^2
 ///   rest at the left: M_right = (14/3 m_1) / h - 8 D / h^2   (with the knot at h / 4)
 /// and M_left the same with the time reversed. Every row is dominated by its diagonal.
-template <Precise Real>
 class FrameCurves {
  public:
-  FrameCurves(const PathSpec<Real>& spec, const PathMemory<Real>& memory)
+  FrameCurves(const PathSpec& spec, const PathMemory& memory)
       : spec_(spec),
         memory_(memory),
         axes_(static_cast<std::size_t>(spec.axis_count)),
@@ -64,21 +63,21 @@ class FrameCurves {
 
  private:
   struct Row {
-    Real before = 0, here = 1, after = 0, right = 0;
+    double before = 0, here = 1, after = 0, right = 0;
   };
   /// The slopes at both ends of an interval.
   struct Slopes {
-    Real leaving = 0, arriving = 0;
+    double leaving = 0, arriving = 0;
   };
 
   [[nodiscard]] bool is_periodic() const {
     return spec_.closed && !spec_.rests_at_start && !spec_.rests_at_end;
   }
-  [[nodiscard]] Real frames(std::size_t k) const {
-    return static_cast<Real>(spec_.key_frames[k + 1] - spec_.key_frames[k]);
+  [[nodiscard]] double frames(std::size_t k) const {
+    return static_cast<double>(spec_.key_frames[k + 1] - spec_.key_frames[k]);
   }
-  [[nodiscard]] Real key(std::size_t k, std::size_t d) const { return spec_.key(k, d); }
-  [[nodiscard]] Real chord(std::size_t k, std::size_t d) const { return key(k + 1, d) - key(k, d); }
+  [[nodiscard]] double key(std::size_t k, std::size_t d) const { return spec_.key(k, d); }
+  [[nodiscard]] double chord(std::size_t k, std::size_t d) const { return key(k + 1, d) - key(k, d); }
   /// The interval before key k; `intervals_` where there is none.
   [[nodiscard]] std::size_t before(std::size_t k) const {
     if (k > 0) return k - 1;
@@ -102,14 +101,14 @@ class FrameCurves {
 
   // The slots of one axis: the cubic of key k holds m_k in c1, and while the system is solved the upper
   // diagonal in c2, and in c3 the answer of row k to the last unknown of a closed path.
-  [[nodiscard]] Cubic<Real>& slot(std::size_t k, std::size_t d) { return memory_.cubics[k * axes_ + d]; }
+  [[nodiscard]] Cubic& slot(std::size_t k, std::size_t d) { return memory_.cubics[k * axes_ + d]; }
 
   /// Adds the side of an interval at key k to the row of that key; `other` is the key at its other end.
-  void add_side(std::size_t interval, std::size_t other, std::size_t d, Real& beside, Row& row) const {
+  void add_side(std::size_t interval, std::size_t other, std::size_t d, double& beside, Row& row) const {
     const bool from_rest = rests(other, d);
-    const Real h = frames(interval);
-    row.here += (from_rest ? Real(14) / 3 : Real(4)) / h;
-    row.right += (from_rest ? Real(8) : Real(6)) * (chord(interval, d) / h) / h;
+    const double h = frames(interval);
+    row.here += (from_rest ? 14.0 / 3 : 4.0) / h;
+    row.right += (from_rest ? 8.0 : 6.0) * (chord(interval, d) / h) / h;
     if (!from_rest) beside += 2 / h;
   }
   [[nodiscard]] Row row(std::size_t k, std::size_t d) const {
@@ -129,22 +128,22 @@ class FrameCurves {
     const std::size_t end = is_periodic() ? count - 1 : count;  // the last unknown of a ring comes after them
     for (std::size_t k = 0; k < end; ++k) {
       const Row line = row(k, d);
-      const Real carried = k > 0 ? line.before : Real(0);
-      const Cubic<Real> above = k > 0 ? slot(k - 1, d) : Cubic<Real>{};
-      const Real pivot = line.here - carried * above.c2;
-      const Real ring = (k == 0 ? -line.before : Real(0)) - (k + 1 == end ? line.after : Real(0));
+      const double carried = k > 0 ? line.before : 0.0;
+      const Cubic above = k > 0 ? slot(k - 1, d) : Cubic{};
+      const double pivot = line.here - carried * above.c2;
+      const double ring = (k == 0 ? -line.before : 0.0) - (k + 1 == end ? line.after : 0.0);
       slot(k, d) = {0, (line.right - carried * above.c1) / pivot, line.after / pivot,
                     (ring - carried * above.c3) / pivot};
     }
     for (std::size_t k = end; k-- > 1;) {
-      Cubic<Real>& line = slot(k - 1, d);
+      Cubic& line = slot(k - 1, d);
       line.c1 -= line.c2 * slot(k, d).c1;
       line.c3 -= line.c2 * slot(k, d).c3;
     }
     if (!is_periodic()) return;
     const Row line = row(end, d);
-    const Real last = (line.right - line.before * slot(end - 1, d).c1 - line.after * slot(0, d).c1) /
-                      (line.here + line.before * slot(end - 1, d).c3 + line.after * slot(0, d).c3);
+    const double last = (line.right - line.before * slot(end - 1, d).c1 - line.after * slot(0, d).c1) /
+                        (line.here + line.before * slot(end - 1, d).c3 + line.after * slot(0, d).c3);
     for (std::size_t k = 0; k < end; ++k) slot(k, d).c1 += slot(k, d).c3 * last;
     slot(end, d).c1 = last;
     slot(count, d).c1 = slot(0, d).c1;
@@ -152,7 +151,7 @@ class FrameCurves {
 
   /// Kochanek and Bartels 1984: tangents are adjusted to the frames on either side of the key, so that the
   /// velocity goes on where the continuity is 0.
-  [[nodiscard]] Real adjusted_tangent(std::size_t k, std::size_t d, KeySide side) const {
+  [[nodiscard]] double adjusted_tangent(std::size_t k, std::size_t d, KeySide side) const {
     if (rests(k, d)) return 0;
     const std::size_t left = spec_.closed && k == 0 ? intervals_ - 1 : (k > 0 ? k - 1 : 0);
     const std::size_t right = spec_.closed && k == intervals_ ? 0 : std::min(k, intervals_ - 1);
@@ -160,20 +159,20 @@ class FrameCurves {
   }
 
   /// Between 0 and 3 times the lesser of the two chords' slopes: the way from a rest is monotone then too.
-  [[nodiscard]] Real limited(Real slope, std::size_t k, std::size_t d) const {
+  [[nodiscard]] double limited(double slope, std::size_t k, std::size_t d) const {
     const std::size_t left = k > 0 ? k - 1 : (spec_.closed ? intervals_ - 1 : 0);
     const std::size_t right = k < intervals_ ? k : (spec_.closed ? 0 : intervals_ - 1);
-    const Real one = chord(left, d) / frames(left);
-    const Real other = chord(right, d) / frames(right);
+    const double one = chord(left, d) / frames(left);
+    const double other = chord(right, d) / frames(right);
     if (!(one * other > 0) || slope * one <= 0) return 0;
-    const Real most = 3 * std::min(std::fabs(one), std::fabs(other));
+    const double most = 3 * std::min(std::fabs(one), std::fabs(other));
     return std::clamp(slope, -most, most);
   }
 
   /// From the last interval to the first, because the slope of a key stands at or before its cubics.
   void write_axis(std::size_t d, std::size_t segments) {
     std::size_t first = segments;
-    Real slope_after = slot(intervals_, d).c1;
+    double slope_after = slot(intervals_, d).c1;
     for (std::size_t k = intervals_; k-- > 0;) {
       Slopes slopes{slot(k, d).c1, slope_after};
       slope_after = slopes.leaving;
@@ -189,8 +188,8 @@ class FrameCurves {
 
   void write_interval(std::size_t k, std::size_t d, const Slopes& slopes, std::size_t first,
                       std::size_t count) {
-    const Real begin = key(k, d);
-    const Real delta = chord(k, d);
+    const double begin = key(k, d);
+    const double delta = chord(k, d);
     if (spec_.spline == Spline::linear) {
       slot(first, d) = {begin, delta, 0, 0};
       return;
@@ -203,7 +202,7 @@ class FrameCurves {
     const bool from_rest = rests(k, d);
     const bool to_rest = rests(k + 1, d);
     for (std::size_t j = 0; j < count; ++j) {
-      Cubic<Real> part;
+      Cubic part;
       if (from_rest && to_rest) {
         const bool late = j >= count / 2;
         part = rest_to_rest(delta, late ? count - 1 - j : j);
@@ -213,45 +212,45 @@ class FrameCurves {
       } else if (to_rest) {
         part = reversed(from_rest_part(delta, slopes.leaving, count - 1 - j), delta);
       } else {
-        part = restarted(hermite(delta, slopes), static_cast<Real>(j) / 4);
+        part = restarted(hermite(delta, slopes), static_cast<double>(j) / 4);
       }
       // The key itself, and not what the chord less its parts is rounded to.
       part.c0 = j == 0 ? begin : begin + part.c0;
       // Rounding of the chord may carry it beyond the next key.
-      const Real end = key(k + 1, d);
+      const double end = key(k + 1, d);
       if (!spec_.overshoot) part.c0 = std::clamp(part.c0, std::min(begin, end), std::max(begin, end));
       slot(first + j, d) = part;
     }
   }
 
-  static Cubic<Real> hermite(Real delta, const Slopes& slopes) {
+  static Cubic hermite(double delta, const Slopes& slopes) {
     return {0, slopes.leaving, 3 * delta - 2 * slopes.leaving - slopes.arriving,
             slopes.leaving + slopes.arriving - 2 * delta};
   }
   /// The quarter of a cubic that begins at t.
-  static Cubic<Real> restarted(const Cubic<Real>& c, Real t) {
+  static Cubic restarted(const Cubic& c, double t) {
     return {c.value(t), c.derivative(t) / 4, c.second(t) / 32, c.c3 / 64};
   }
   /// The same way in the opposite direction of time: delta - c(1 - t).
-  static Cubic<Real> reversed(const Cubic<Real>& c, Real delta) {
+  static Cubic reversed(const Cubic& c, double delta) {
     return {delta - (c.c0 + (c.c1 + (c.c2 + c.c3))), c.c1 + (2 * c.c2 + 3 * c.c3), -(c.c2 + 3 * c.c3), c.c3};
   }
   /// Quarter j of the way from rest to a slope. The acceleration is linear from 0 to A over the first quarter
   /// and from there to M at the end.
-  static Cubic<Real> from_rest_part(Real delta, Real slope, std::size_t j) {
-    const Real peak = 6 * delta - Real(1.5) * slope;
-    const Real end = Real(14) / 3 * slope - 8 * delta;
+  static Cubic from_rest_part(double delta, double slope, std::size_t j) {
+    const double peak = 6 * delta - 1.5 * slope;
+    const double end = 14.0 / 3 * slope - 8 * delta;
     if (j == 0) return {0, 0, 0, peak / 96};
-    return restarted({peak / 96, peak / 8, peak / 2, 2 * (end - peak) / 9}, static_cast<Real>(j - 1) / 4);
+    return restarted({peak / 96, peak / 8, peak / 2, 2 * (end - peak) / 9}, static_cast<double>(j - 1) / 4);
   }
   /// Quarter 0 or 1 of the way from rest to rest.
-  static Cubic<Real> rest_to_rest(Real delta, std::size_t j) {
+  static Cubic rest_to_rest(double delta, std::size_t j) {
     if (j == 0) return {0, 0, 0, delta / 12};
     return {delta / 12, delta / 4, delta / 4, -delta / 12};
   }
 
-  const PathSpec<Real>& spec_;
-  const PathMemory<Real>& memory_;
+  const PathSpec& spec_;
+  const PathMemory& memory_;
   std::size_t axes_;
   std::size_t intervals_;
 };

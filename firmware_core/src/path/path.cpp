@@ -18,9 +18,7 @@ namespace {
 constexpr std::size_t places_at_once = lanes_are_quick ? 256 : 16;
 
 /// The places of the first points on one segment, no more than `t` has room for. Returns how many they are.
-template <Precise Real>
-INBETWEEN_PROCESSOR_CLONES std::size_t take_places(std::span<const PathPoint<Real>> points,
-                                                   std::span<Real> t) {
+INBETWEEN_PROCESSOR_CLONES std::size_t take_places(std::span<const PathPoint> points, std::span<double> t) {
   const std::int32_t segment = points.front().segment;
   std::size_t count = std::min(points.size(), t.size());
   // Without a branch for each point: nearly always all of them are on the segment.
@@ -35,18 +33,16 @@ INBETWEEN_PROCESSOR_CLONES std::size_t take_places(std::span<const PathPoint<Rea
   return count;
 }
 
-template <Precise Real>
-INBETWEEN_PROCESSOR_CLONES void evaluate(const Cubic<Real>& cubic, std::span<const Real> t,
-                                         std::span<Real> out) {
-  const Cubic<Real> own = cubic;
+INBETWEEN_PROCESSOR_CLONES void evaluate(const Cubic& cubic, std::span<const double> t,
+                                         std::span<double> out) {
+  const Cubic own = cubic;
   for (std::size_t i = 0; i < t.size(); ++i) out[i] = own.value(t[i]);
 }
 
 /// The keys of a spec and where the coefficients go, while the path is being made.
-template <Precise Real>
 class Construction {
  public:
-  Construction(const PathSpec<Real>& spec, const PathMemory<Real>& memory)
+  Construction(const PathSpec& spec, const PathMemory& memory)
       : spec_(spec),
         memory_(memory),
         cubics_(memory.cubics),
@@ -54,13 +50,13 @@ class Construction {
         keys_(spec.keys.size() / axes_),
         segments_(spec.closed && keys_ > 1 ? keys_ : keys_ - 1) {
     std::ranges::copy(spec.weights, memory.weights.begin());
-    if (spec.weights.empty()) std::ranges::fill(memory.weights.first(axes_), Real(1));
+    if (spec.weights.empty()) std::ranges::fill(memory.weights.first(axes_), 1.0);
     weights_ = memory.weights.first(axes_);
   }
 
   void build() {
     if (!spec_.key_frames.empty()) {
-      FrameCurves<Real> curves(spec_, memory_);
+      FrameCurves curves(spec_, memory_);
       segments_ = curves.segments();
       curves.write();
       return append_continuation();
@@ -85,10 +81,10 @@ class Construction {
   /// little weight goes far between keys that are near to each other as weighted.
   [[nodiscard]] Status check_range() const {
     // An ordinary path overshoots a few times; the square of this is still finite for every axis.
-    const Real max_magnitude = 1000 * Precision<Real>::largest;
+    const double max_magnitude = 1000 * Precision::largest;
     for (std::size_t i = 0; i < segments_ * axes_; ++i) {
-      const Cubic<Real>& c = cubics_[i];
-      const auto inside = [&](Real x) { return std::fabs(x) <= max_magnitude; };  // false for a NaN
+      const Cubic& c = cubics_[i];
+      const auto inside = [&](double x) { return std::fabs(x) <= max_magnitude; };  // false for a NaN
       if (inside(c.c1) && inside(c.c2) && inside(c.c3)) continue;
       return Error{.code = ErrorCode::out_of_range,
                    .what = "the path swings beyond the range of numbers after this key",
@@ -105,7 +101,7 @@ class Construction {
       std::int32_t moving_axis = -1;
       bool measured = false;
       for (std::size_t d = 0; d < axes_; ++d) {
-        const Cubic<Real>& c = cubics_[i * axes_ + d];
+        const Cubic& c = cubics_[i * axes_ + d];
         if (c.c1 == 0 && c.c2 == 0 && c.c3 == 0) continue;
         if (weights_[d] > 0) measured = true;
         if (moving_axis < 0) moving_axis = static_cast<std::int32_t>(d);
@@ -124,17 +120,17 @@ class Construction {
 
   [[nodiscard]] std::size_t segments() const { return segments_; }
   [[nodiscard]] std::size_t keys() const { return keys_; }
-  [[nodiscard]] std::span<const Real> weights() const { return weights_; }
+  [[nodiscard]] std::span<const double> weights() const { return weights_; }
 
  private:
-  [[nodiscard]] Real key(std::size_t i, std::size_t d) const { return spec_.key(i, d); }
-  [[nodiscard]] Real chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
+  [[nodiscard]] double key(std::size_t i, std::size_t d) const { return spec_.key(i, d); }
+  [[nodiscard]] double chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
   /// The key from which a segment leads.
   [[nodiscard]] std::int32_t key_of(std::size_t segment) const {
     const bool by_frames = !spec_.key_frames.empty();
-    return static_cast<std::int32_t>(by_frames ? FrameCurves<Real>(spec_, memory_).key_of(segment) : segment);
+    return static_cast<std::int32_t>(by_frames ? FrameCurves(spec_, memory_).key_of(segment) : segment);
   }
-  [[nodiscard]] Cubic<Real>& cubic(std::size_t i, std::size_t d) { return cubics_[i * axes_ + d]; }
+  [[nodiscard]] Cubic& cubic(std::size_t i, std::size_t d) { return cubics_[i * axes_ + d]; }
 
   void straight(std::size_t i) {
     for (std::size_t d = 0; d < axes_; ++d) cubic(i, d) = {key(i, d), chord(i, d), 0, 0};
@@ -143,9 +139,9 @@ class Construction {
   void build_tcb() {
     for (std::size_t i = 0; i < segments_; ++i) {
       for (std::size_t d = 0; d < axes_; ++d) {
-        const Real delta = chord(i, d);
-        const Real leaving = tcb_tangent(spec_, i, d, KeySide::leaving);
-        const Real arriving = tcb_tangent(spec_, i + 1, d, KeySide::arriving);
+        const double delta = chord(i, d);
+        const double leaving = tcb_tangent(spec_, i, d, KeySide::leaving);
+        const double arriving = tcb_tangent(spec_, i + 1, d, KeySide::arriving);
         cubic(i, d) = {key(i, d), leaving, 3 * delta - 2 * leaving - arriving,
                        leaving + arriving - 2 * delta};
       }
@@ -176,7 +172,7 @@ class Construction {
     } else {
       factor(1, steps);
       for (std::size_t d = 0; d < axes_; ++d) {
-        solve(1, steps, [&](std::size_t k) -> Real& { return cubic(k, d).c2; });
+        solve(1, steps, [&](std::size_t k) -> double& { return cubic(k, d).c2; });
         cubic(0, d).c2 = 0;
         cubic(steps, d).c2 = 0;
       }
@@ -187,41 +183,41 @@ class Construction {
   /// The power of two that makes the longest chord about 1: only ratios of knots matter, and the roots of
   /// scaled chords round as those of unscaled ones.
   [[nodiscard]] int chord_exponent() const {
-    Real longest = 0;
+    double longest = 0;
     for (std::size_t i = 0; i < segments_; ++i) longest = std::max(longest, weighted_chord(i));
     int exponent = 0;
     static_cast<void>(std::frexp(longest, &exponent));
     return exponent;
   }
 
-  [[nodiscard]] Real weighted_chord(std::size_t i) const {
-    return scaled_norm<Real>(axes_, [&](std::size_t d) { return weights_[d] * chord(i, d); });
+  [[nodiscard]] double weighted_chord(std::size_t i) const {
+    return scaled_norm(axes_, [&](std::size_t d) { return weights_[d] * chord(i, d); });
   }
 
-  [[nodiscard]] Real scaled_chord(std::size_t i) const { return std::ldexp(weighted_chord(i), -exponent_); }
+  [[nodiscard]] double scaled_chord(std::size_t i) const { return std::ldexp(weighted_chord(i), -exponent_); }
   /// Equal keys, or nearer to each other than the longest chord lets them be told apart.
   [[nodiscard]] bool same_knot(std::size_t i) const {
-    return scaled_chord(i) < std::numeric_limits<Real>::min();
+    return scaled_chord(i) < std::numeric_limits<double>::min();
   }
 
   void slopes_to_right_hand_side(std::size_t d, std::size_t steps) {
-    const Real first = cubic(0, d).c2;
-    const Real last = cubic(steps - 1, d).c2;
+    const double first = cubic(0, d).c2;
+    const double last = cubic(steps - 1, d).c2;
     for (std::size_t k = steps - 1; k > 0; --k) {
       cubic(k, d).c2 = 6 * (cubic(k, d).c2 - cubic(k - 1, d).c2);
     }
     cubic(0, d).c2 = 6 * (first - last);  // the row of knot 0, which only a closed path has
   }
 
-  [[nodiscard]] Real step(std::size_t k) { return cubic(k, 0).c0; }
+  [[nodiscard]] double step(std::size_t k) { return cubic(k, 0).c0; }
 
   /// Rows first..end-1 of h_k-1 M_k-1 + 2 (h_k-1 + h_k) M_k + h_k M_k+1 = r_k, with the unknowns
   /// outside taken to the right-hand side. In a closed path the step before 0 is the last.
   void factor(std::size_t first, std::size_t end) {
-    Real inverse_before = 0;
+    double inverse_before = 0;
     for (std::size_t k = first; k < end; ++k) {
-      const Real before = k > 0 ? step(k - 1) : step(end);
-      const Real eliminated = k > first ? before * before * inverse_before : Real(0);
+      const double before = k > 0 ? step(k - 1) : step(end);
+      const double eliminated = k > first ? before * before * inverse_before : 0.0;
       inverse_before = 1 / (2 * (before + step(k)) - eliminated);
       cubic(k, 0).c1 = inverse_before;
     }
@@ -229,7 +225,7 @@ class Construction {
   template <class Unknown>
   void solve(std::size_t first, std::size_t end, Unknown unknown) {
     for (std::size_t k = first; k < end; ++k) {
-      const Real carried = k > first ? step(k - 1) * unknown(k - 1) : Real(0);
+      const double carried = k > first ? step(k - 1) * unknown(k - 1) : 0.0;
       unknown(k) = (unknown(k) - carried) * cubic(k, 0).c1;
     }
     for (std::size_t k = end - 1; k-- > first;) {
@@ -241,17 +237,17 @@ class Construction {
   void solve_periodic(std::size_t m) {
     const std::size_t last = m - 1;
     factor(0, last);
-    const auto z = [&](std::size_t k) -> Real& { return cubic(k, 0).c3; };
+    const auto z = [&](std::size_t k) -> double& { return cubic(k, 0).c3; };
     for (std::size_t k = 0; k < last; ++k) z(k) = 0;
     z(0) -= step(last);
     z(last - 1) -= step(last - 1);
     solve(0, last, z);
-    const Real diagonal =
+    const double diagonal =
         2 * (step(last - 1) + step(last)) + step(last - 1) * z(last - 1) + step(last) * z(0);
     for (std::size_t d = 0; d < axes_; ++d) {
-      const auto moment = [&](std::size_t k) -> Real& { return cubic(k, d).c2; };
+      const auto moment = [&](std::size_t k) -> double& { return cubic(k, d).c2; };
       solve(0, last, moment);
-      const Real known = step(last - 1) * moment(last - 1) + step(last) * moment(0);
+      const double known = step(last - 1) * moment(last - 1) + step(last) * moment(0);
       moment(last) = (moment(last) - known) / diagonal;
       for (std::size_t k = 0; k < last; ++k) moment(k) += z(k) * moment(last);
     }
@@ -260,16 +256,16 @@ class Construction {
   /// From the last segment to the first, because knot k stands at or before its segment's own slot.
   void write_smooth(std::size_t d, std::size_t steps) {
     std::size_t k = steps;
-    Real moment_after = spec_.closed ? cubic(0, d).c2 : cubic(steps, d).c2;
+    double moment_after = spec_.closed ? cubic(0, d).c2 : cubic(steps, d).c2;
     for (std::size_t i = segments_; i-- > 0;) {
-      const Real delta = chord(i, d);
+      const double delta = chord(i, d);
       if (same_knot(i)) {
         cubic(i, d) = {key(i, d), delta, 0, 0};
         continue;
       }
       --k;
-      const Real moment = cubic(k, d).c2;
-      const Real square = step(k) * step(k);
+      const double moment = cubic(k, d).c2;
+      const double square = step(k) * step(k);
       cubic(i, d) = {key(i, d), delta - square * (2 * moment + moment_after) / 6, square * moment / 2,
                      square * (moment_after - moment) / 6};
       moment_after = moment;
@@ -280,16 +276,16 @@ class Construction {
   /// A segment without length keeps its straight line, and no slope goes through it.
   void limit_slopes() {
     for (std::size_t d = 0; d < axes_; ++d) {
-      Real leaving = limited_slope(0, d);
-      const Real first = leaving;
+      double leaving = limited_slope(0, d);
+      const double first = leaving;
       for (std::size_t i = 0; i < segments_; ++i) {
         const bool is_ring = spec_.closed && i + 1 == segments_;
-        const Real next = is_ring ? first : limited_slope(i + 1, d);
-        Cubic<Real>& c = cubic(i, d);
+        const double next = is_ring ? first : limited_slope(i + 1, d);
+        Cubic& c = cubic(i, d);
         if (duration(i) > 0) {
-          const Real out = leaving * duration(i);
-          const Real in = next * duration(i);
-          const Real delta = chord(i, d);
+          const double out = leaving * duration(i);
+          const double in = next * duration(i);
+          const double delta = chord(i, d);
           if (out != c.c1 || in != c.derivative(1))
             c = {c.c0, out, 3 * delta - 2 * out - in, out + in - 2 * delta};
         }
@@ -298,44 +294,44 @@ class Construction {
     }
   }
   /// How long a segment takes on the parameter on which the path is C1; 0 where it has no length.
-  [[nodiscard]] Real duration(std::size_t i) const {
+  [[nodiscard]] double duration(std::size_t i) const {
     if (spec_.spline != Spline::smooth) return 1;
-    return same_knot(i) ? Real(0) : std::sqrt(scaled_chord(i));
+    return same_knot(i) ? 0.0 : std::sqrt(scaled_chord(i));
   }
   /// The slope at key i, before the cubic of the segment that begins there is changed.
-  [[nodiscard]] Real limited_slope(std::size_t i, std::size_t d) {
+  [[nodiscard]] double limited_slope(std::size_t i, std::size_t d) {
     const auto slope_of_chord = [&](std::size_t k) {
-      return duration(k) > 0 ? chord(k, d) / duration(k) : Real(0);
+      return duration(k) > 0 ? chord(k, d) / duration(k) : 0.0;
     };
     const bool has_before = i > 0 || spec_.closed;
     const bool has_behind = i < segments_;
     const std::size_t before = i > 0 ? i - 1 : segments_ - 1;
-    const Real one = slope_of_chord(has_before ? before : i);
-    const Real other = slope_of_chord(has_behind ? i : before);
+    const double one = slope_of_chord(has_before ? before : i);
+    const double other = slope_of_chord(has_behind ? i : before);
     if (!(one * other > 0)) return 0;
-    const Real time = duration(has_behind ? i : before);
-    const Real slope = (has_behind ? cubic(i, d).c1 : cubic(before, d).derivative(1)) / time;
-    const Real most = 3 * std::min(std::fabs(one), std::fabs(other));
+    const double time = duration(has_behind ? i : before);
+    const double slope = (has_behind ? cubic(i, d).c1 : cubic(before, d).derivative(1)) / time;
+    const double most = 3 * std::min(std::fabs(one), std::fabs(other));
     if (slope * one <= 0) return 0;
     return slope > most ? most : (slope < -most ? -most : slope);
   }
 
   void append_continuation() {
     for (std::size_t d = 0; d < axes_; ++d) {
-      Cubic<Real>& end = cubic(segments_, d);
+      Cubic& end = cubic(segments_, d);
       if (segments_ == 0) {
         end = {key(0, d), 0, 0, 0};
         continue;
       }
-      const Cubic<Real>& c = cubic(segments_ - 1, d);
+      const Cubic& c = cubic(segments_ - 1, d);
       end = {key(spec_.closed ? keys_ : keys_ - 1, d), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
     }
   }
 
-  const PathSpec<Real>& spec_;
-  PathMemory<Real> memory_;
-  std::span<Cubic<Real>> cubics_;
-  std::span<const Real> weights_;
+  const PathSpec& spec_;
+  PathMemory memory_;
+  std::span<Cubic> cubics_;
+  std::span<const double> weights_;
   std::size_t axes_;
   std::size_t keys_;
   std::size_t segments_;
@@ -344,14 +340,13 @@ class Construction {
 
 }  // namespace
 
-template <Precise Real>
-Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
+Result<Path> Path::make(const PathSpec& spec, const PathMemory& memory) {
   if (const Status counts = check_counts(spec); !counts) return counts.error();
   if (const Status numbers = check_numbers(spec); !numbers) return numbers.error();
   if (const Status frames = check_key_frames(spec); !frames) return frames.error();
   if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
 
-  Construction<Real> construction(spec, memory);
+  Construction construction(spec, memory);
   construction.build();
   if (const Status in_range = construction.check_range(); !in_range) return in_range.error();
   if (const Status measured = construction.check_measured(); !measured) return measured.error();
@@ -371,31 +366,26 @@ Result<Path<Real>> Path<Real>::make(const PathSpec<Real>& spec, const PathMemory
   return path;
 }
 
-template <Precise Real>
-void Path<Real>::positions(std::span<const PathPoint<Real>> points, std::span<Real> out) const {
-  std::array<Real, places_at_once> memory;
+void Path::positions(std::span<const PathPoint> points, std::span<double> out) const {
+  std::array<double, places_at_once> memory;
   for (std::size_t begin = 0; begin < points.size();) {
-    const std::size_t count = take_places<Real>(points.subspan(begin), memory);
-    const std::span<const Real> places = std::span(memory).first(count);
-    const std::span<const Cubic<Real>> cubics = segment(points[begin].segment);
+    const std::size_t count = take_places(points.subspan(begin), memory);
+    const std::span<const double> places = std::span(memory).first(count);
+    const std::span<const Cubic> cubics = segment(points[begin].segment);
     for (std::size_t d = 0; d < static_cast<std::size_t>(axis_count_); ++d) {
-      const std::span<Real> written = out.subspan(d * points.size() + begin, count);
-      evaluate<Real>(cubics[d], places, written);
+      const std::span<double> written = out.subspan(d * points.size() + begin, count);
+      evaluate(cubics[d], places, written);
       if (overshoots_) continue;
-      for (Real& position : written) position = kept(position, points[begin].segment, d);
+      for (double& position : written) position = kept(position, points[begin].segment, d);
     }
     begin += count;
   }
 }
 
-template <Precise Real>
-Real Path<Real>::parametric_speed(const PathPoint<Real>& point) const {
-  const std::span<const Cubic<Real>> cubics = segment(point.segment);
-  return scaled_norm<Real>(cubics.size(),
-                           [&](std::size_t d) { return weights_[d] * cubics[d].derivative(point.t); });
+double Path::parametric_speed(const PathPoint& point) const {
+  const std::span<const Cubic> cubics = segment(point.segment);
+  return scaled_norm(cubics.size(),
+                     [&](std::size_t d) { return weights_[d] * cubics[d].derivative(point.t); });
 }
-
-template class Path<double>;
-template class Path<float>;
 
 }  // namespace inbetween

@@ -10,21 +10,18 @@
 
 namespace inbetween {
 
-template <Precise Real>
-Error bad_number(Real value, const char* not_finite, const char* too_large) {
+inline Error bad_number(double value, const char* not_finite, const char* too_large) {
   const bool finite = std::isfinite(value);
   return {.code = finite ? ErrorCode::out_of_range : ErrorCode::not_finite,
           .what = finite ? too_large : not_finite,
           .remedy = "use ordinary numbers in the units of the axis"};
 }
 
-template <Precise Real>
-bool usable(Real value) {
-  return std::fabs(value) <= Precision<Real>::largest;  // false for a NaN
+inline bool usable(double value) {
+  return std::fabs(value) <= Precision::largest;  // false for a NaN
 }
 
-template <Precise Real>
-Status check_counts(const PathSpec<Real>& spec) {
+inline Status check_counts(const PathSpec& spec) {
   const auto axes = static_cast<std::size_t>(std::max<std::int32_t>(spec.axis_count, 0));
   if (axes == 0) {
     return Error{
@@ -54,11 +51,10 @@ Status check_counts(const PathSpec<Real>& spec) {
   return Done{};
 }
 
-template <Precise Real>
-Status check_numbers(const PathSpec<Real>& spec) {
+inline Status check_numbers(const PathSpec& spec) {
   const auto axes = static_cast<std::size_t>(spec.axis_count);
   for (std::size_t d = 0; d < spec.weights.size(); ++d) {
-    const Real weight = spec.weights[d];
+    const double weight = spec.weights[d];
     if (usable(weight) && weight >= 0) continue;
     Error error = bad_number(weight, "a weight is not a finite number",
                              weight < 0 ? "a weight is negative" : "a weight is too large");
@@ -67,8 +63,8 @@ Status check_numbers(const PathSpec<Real>& spec) {
     return error;
   }
   for (std::size_t i = 0; i < spec.keys.size() + spec.lap.size(); ++i) {
-    const Real value = i < spec.keys.size() ? spec.keys[i] : spec.lap[i - spec.keys.size()];
-    const Real weight = spec.weights.empty() ? Real(1) : spec.weights[i % axes];
+    const double value = i < spec.keys.size() ? spec.keys[i] : spec.lap[i - spec.keys.size()];
+    const double weight = spec.weights.empty() ? 1.0 : spec.weights[i % axes];
     if (usable(value) && usable(value * weight)) continue;
     Error error = bad_number(value, "a coordinate is not a finite number", "a coordinate is too large");
     error.key = static_cast<std::int32_t>(i / axes % (spec.keys.size() / axes));
@@ -76,8 +72,8 @@ Status check_numbers(const PathSpec<Real>& spec) {
     return error;
   }
   for (std::size_t k = 0; k < spec.shapes.size(); ++k) {
-    const KeyShape<Real>& shape = spec.shapes[k];
-    const auto inside = [](Real x) { return x >= -1 && x <= 1; };
+    const KeyShape& shape = spec.shapes[k];
+    const auto inside = [](double x) { return x >= -1 && x <= 1; };
     if (inside(shape.tension) && inside(shape.continuity) && inside(shape.bias)) continue;
     const bool finite =
         std::isfinite(shape.tension) && std::isfinite(shape.continuity) && std::isfinite(shape.bias);
@@ -89,8 +85,7 @@ Status check_numbers(const PathSpec<Real>& spec) {
   return Done{};
 }
 
-template <Precise Real>
-Status check_key_frames(const PathSpec<Real>& spec) {
+inline Status check_key_frames(const PathSpec& spec) {
   const std::span<const std::int32_t> frames = spec.key_frames;
   if (frames.empty()) return Done{};
   const std::size_t keys = spec.keys.size() / static_cast<std::size_t>(spec.axis_count);
@@ -112,13 +107,12 @@ Status check_key_frames(const PathSpec<Real>& spec) {
   return Done{};
 }
 
-template <Precise Real>
-Status check_memory(const PathSpec<Real>& spec, const PathMemory<Real>& memory) {
+inline Status check_memory(const PathSpec& spec, const PathMemory& memory) {
   const auto axes = static_cast<std::size_t>(spec.axis_count);
   const std::size_t keys = spec.keys.size() / axes;
   const bool by_frames = !spec.key_frames.empty();
   const std::size_t segments =
-      by_frames ? FrameCurves<Real>(spec, memory).segments() : (spec.closed && keys > 1 ? keys : keys - 1);
+      by_frames ? FrameCurves(spec, memory).segments() : (spec.closed && keys > 1 ? keys : keys - 1);
   const std::size_t rows = segments + 1;
   if (memory.cubics.size() < rows * axes || memory.weights.size() < axes ||
       (by_frames && memory.knots.size() < segments)) {

@@ -9,14 +9,12 @@ namespace {
 
 /// Two cubics may be apart by this share of their coefficients at a knot. It covers the rounding of whoever
 /// computed them, and is no more than a table is known to.
-template <Precise Real>
-constexpr Real max_gap = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+constexpr double max_gap = 1e-9;
 
 /// The rows of a path of cubics, while it is checked.
-template <Precise Real>
 class GivenRows {
  public:
-  explicit GivenRows(const CubicPathSpec<Real>& spec)
+  explicit GivenRows(const CubicPathSpec& spec)
       : spec_(spec), rows_(spec.weights.size()), segments_(rows_ > 0 ? spec.cubics.size() / rows_ : 0) {}
 
   [[nodiscard]] std::size_t segments() const { return segments_; }
@@ -51,13 +49,13 @@ class GivenRows {
 
   [[nodiscard]] Status check_numbers() const {
     for (std::size_t row = 0; row < rows_; ++row) {
-      if (spec_.weights[row] >= 0 && spec_.weights[row] <= Precision<Real>::largest) continue;
+      if (spec_.weights[row] >= 0 && spec_.weights[row] <= Precision::largest) continue;
       return wrong_number(spec_.weights[row], -1, row);
     }
     for (std::size_t i = 0; i < spec_.cubics.size(); ++i) {
-      const Cubic<Real>& c = spec_.cubics[i];
-      for (const Real part : {c.c0, c.c1, c.c2, c.c3}) {
-        if (std::fabs(part) <= Precision<Real>::largest) continue;
+      const Cubic& c = spec_.cubics[i];
+      for (const double part : {c.c0, c.c1, c.c2, c.c3}) {
+        if (std::fabs(part) <= Precision::largest) continue;
         return wrong_number(part, spec_.knots[i / rows_].key, i % rows_);
       }
     }
@@ -66,9 +64,9 @@ class GivenRows {
 
   [[nodiscard]] Status check_joined() const {
     for (std::size_t i = 0; i + rows_ < spec_.cubics.size(); ++i) {
-      const Cubic<Real>& c = spec_.cubics[i];
-      const Real size = std::fabs(c.c0) + std::fabs(c.c1) + std::fabs(c.c2) + std::fabs(c.c3);
-      if (std::fabs(spec_.cubics[i + rows_].c0 - c.value(1)) <= max_gap<Real> * size) continue;
+      const Cubic& c = spec_.cubics[i];
+      const double size = std::fabs(c.c0) + std::fabs(c.c1) + std::fabs(c.c2) + std::fabs(c.c3);
+      if (std::fabs(spec_.cubics[i + rows_].c0 - c.value(1)) <= max_gap * size) continue;
       return Error{.code = ErrorCode::no_solution,
                    .what = "a segment does not begin where the one before it ends",
                    .remedy = "give cubics that join",
@@ -80,7 +78,7 @@ class GivenRows {
 
   [[nodiscard]] Status check_measured() const {
     for (std::size_t segment = 0; segment < segments_; ++segment) {
-      const std::span<const Cubic<Real>> cubics = spec_.cubics.subspan(segment * rows_, rows_);
+      const std::span<const Cubic> cubics = spec_.cubics.subspan(segment * rows_, rows_);
       std::int32_t moving_axis = -1;
       bool measured = false;
       for (std::size_t row = 0; row < rows_; ++row) {
@@ -105,7 +103,7 @@ class GivenRows {
             .remedy = "give all parts of every way, in order",
             .key = key};
   }
-  static Error wrong_number(Real number, std::int32_t key, std::size_t row) {
+  static Error wrong_number(double number, std::int32_t key, std::size_t row) {
     const bool finite = std::isfinite(number);
     return {.code = finite ? ErrorCode::out_of_range : ErrorCode::not_finite,
             .what = finite ? "a number of the path is too large, or a weight negative"
@@ -115,17 +113,15 @@ class GivenRows {
             .axis = static_cast<std::int32_t>(row)};
   }
 
-  const CubicPathSpec<Real>& spec_;
+  const CubicPathSpec& spec_;
   std::size_t rows_;
   std::size_t segments_;
 };
 
 }  // namespace
 
-template <Precise Real>
-Result<Path<Real>> Path<Real>::make_of_cubics(const CubicPathSpec<Real>& spec,
-                                              const PathMemory<Real>& memory) {
-  const GivenRows<Real> given(spec);
+Result<Path> Path::make_of_cubics(const CubicPathSpec& spec, const PathMemory& memory) {
+  const GivenRows given(spec);
   if (const Status counts = given.check_counts(); !counts) return counts.error();
   if (const Status knots = given.check_knots(); !knots) return knots.error();
   if (const Status numbers = given.check_numbers(); !numbers) return numbers.error();
@@ -144,7 +140,7 @@ Result<Path<Real>> Path<Real>::make_of_cubics(const CubicPathSpec<Real>& spec,
   std::ranges::copy(spec.weights, memory.weights.begin());
   std::ranges::copy(spec.knots, memory.knots.begin());
   for (std::size_t row = 0; row < rows; ++row) {
-    const Cubic<Real>& c = spec.cubics[spec.cubics.size() - rows + row];
+    const Cubic& c = spec.cubics[spec.cubics.size() - rows + row];
     memory.cubics[spec.cubics.size() + row] = {c.value(1), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
   }
   Path path;
@@ -158,10 +154,5 @@ Result<Path<Real>> Path<Real>::make_of_cubics(const CubicPathSpec<Real>& spec,
   path.closed_ = spec.closed;
   return path;
 }
-
-template Result<Path<double>> Path<double>::make_of_cubics(const CubicPathSpec<double>&,
-                                                           const PathMemory<double>&);
-template Result<Path<float>> Path<float>::make_of_cubics(const CubicPathSpec<float>&,
-                                                         const PathMemory<float>&);
 
 }  // namespace inbetween

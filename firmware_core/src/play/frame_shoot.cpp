@@ -15,18 +15,16 @@ Error not_now(const char* what) {
 
 }  // namespace
 
-template <Precise Real>
-Exposure<Real> FrameShoot<Real>::exposure_of(std::int32_t frame) const {
-  const FrameTime<Real> at{frame, 0};
+Exposure FrameShoot::exposure_of(std::int32_t frame) const {
+  const FrameTime at{frame, 0};
   return {moved_by(at, spec_.shutter->open), moved_by(at, spec_.shutter->close), spec_.exposure_s};
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::check() const {
+Status FrameShoot::check() const {
   if (!spec_.shutter) return Done{};
   for (std::size_t i = 0; i < frames_.shots.size(); ++i) {
     const std::int32_t frame = frames_.first + static_cast<std::int32_t>(i);
-    const Result<ExposureWay<Real>> way = moving_->way_of(exposure_of(frame));
+    const Result<ExposureWay> way = moving_->way_of(exposure_of(frame));
     if (way && !rest_between(way->from, way->to)) continue;
     Error error = way ? Error{.code = ErrorCode::no_solution,
                               .what = "the motion steps while the rig exposes it",
@@ -40,8 +38,7 @@ Status FrameShoot<Real>::check() const {
   return Done{};
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::can_leave(std::int32_t frame) const {
+Status FrameShoot::can_leave(std::int32_t frame) const {
   if (frame < 0 || frame > frames_.last) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "there is no such frame",
@@ -54,12 +51,10 @@ Status FrameShoot<Real>::can_leave(std::int32_t frame) const {
 }
 
 /// The first rest strictly between two places, seen from `from`.
-template <Precise Real>
-std::optional<FrameTime<Real>> FrameShoot<Real>::rest_between(const FrameTime<Real>& from,
-                                                              const FrameTime<Real>& to) const {
+std::optional<FrameTime> FrameShoot::rest_between(const FrameTime& from, const FrameTime& to) const {
   const bool is_forward = from < to;
-  std::optional<FrameTime<Real>> first;
-  for (const FrameTime<Real>& rest : frames_.rests) {
+  std::optional<FrameTime> first;
+  for (const FrameTime& rest : frames_.rests) {
     const bool is_between = is_forward ? from < rest && rest < to : to < rest && rest < from;
     if (!is_between) continue;
     first = rest;
@@ -68,28 +63,24 @@ std::optional<FrameTime<Real>> FrameShoot<Real>::rest_between(const FrameTime<Re
   return first;
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::travel(Playhead<Real>& playhead, const FrameTime<Real>& to, bool is_run_up) {
+Status FrameShoot::travel(Playhead& playhead, const FrameTime& to, bool is_run_up) {
   if (const auto rest = rest_between(playhead.time(), to)) return playhead.go_to(*rest);
   return is_run_up ? playhead.go_to_run_up(exposure_of(frame_)) : playhead.go_to(to);
 }
 
 /// Towards the frame, as far as the next rest. Axes that rest during an exposure go to the frame itself, not
 /// to the start of the run-up.
-template <Precise Real>
-Status FrameShoot<Real>::travel() {
+Status FrameShoot::travel() {
   const bool runs_up = spec_.shutter && !only_looks_;
   if (const Status goes = travel(*moving_, stand_, runs_up); !goes) return goes;
   return still_ != nullptr ? travel(*still_, {frame_, 0}, false) : Status(Done{});
 }
 
-template <Precise Real>
-bool FrameShoot<Real>::has_arrived() const {
-  return moving_->time() == stand_ && (still_ == nullptr || still_->time() == FrameTime<Real>{frame_, 0});
+bool FrameShoot::has_arrived() const {
+  return moving_->time() == stand_ && (still_ == nullptr || still_->time() == FrameTime{frame_, 0});
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::shoot(std::int32_t frame) {
+Status FrameShoot::shoot(std::int32_t frame) {
   if (const Status possible = can_leave(frame); !possible) return possible;
   if (!is_due(frame)) {
     return Error{.code = ErrorCode::out_of_range,
@@ -97,9 +88,9 @@ Status FrameShoot<Real>::shoot(std::int32_t frame) {
                  .remedy = "go on to one that is",
                  .frame = frame};
   }
-  FrameTime<Real> stand{frame, 0};
+  FrameTime stand{frame, 0};
   if (spec_.shutter) {
-    const Result<ExposureWay<Real>> way = moving_->way_of(exposure_of(frame));
+    const Result<ExposureWay> way = moving_->way_of(exposure_of(frame));
     if (!way) return way.error();
     stand = way->from;
   }
@@ -110,8 +101,7 @@ Status FrameShoot<Real>::shoot(std::int32_t frame) {
   return travel();
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::look_at(std::int32_t frame) {
+Status FrameShoot::look_at(std::int32_t frame) {
   if (const Status possible = can_leave(frame); !possible) return possible;
   frame_ = frame;
   stand_ = {frame, 0};
@@ -120,8 +110,7 @@ Status FrameShoot<Real>::look_at(std::int32_t frame) {
   return travel();
 }
 
-template <Precise Real>
-std::optional<std::int32_t> FrameShoot<Real>::next_frame() const {
+std::optional<std::int32_t> FrameShoot::next_frame() const {
   const std::int32_t end = frames_.first + static_cast<std::int32_t>(frames_.shots.size());
   for (std::int32_t next = std::max(frame_ + 1, frames_.first); next < end; ++next) {
     if (shots_of(next) == 0) return next;
@@ -129,15 +118,13 @@ std::optional<std::int32_t> FrameShoot<Real>::next_frame() const {
   return std::nullopt;
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::go_on() {
+Status FrameShoot::go_on() {
   if (const auto next = next_frame()) return shoot(*next);
   phase_ = ShootPhase::done;
   return Done{};
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::trigger() {
+Status FrameShoot::trigger() {
   switch (phase_) {
     case ShootPhase::standing:
       return is_due(frame_) && shots_of(frame_) == 0 ? shoot(frame_) : go_on();
@@ -158,21 +145,18 @@ Status FrameShoot<Real>::trigger() {
   return Error{.code = ErrorCode::out_of_range, .what = "nothing is being shot", .remedy = "start first"};
 }
 
-template <Precise Real>
-Status FrameShoot<Real>::shoot_again() {
+Status FrameShoot::shoot_again() {
   if (phase_ == ShootPhase::standing || phase_ == ShootPhase::waiting) return shoot(frame_);
   return phase_ == ShootPhase::exposing ? not_now("the camera is exposing")
                                         : not_now("the rig does not stand on a frame");
 }
 
-template <Precise Real>
-void FrameShoot<Real>::interrupt() {
+void FrameShoot::interrupt() {
   camera_ = false;
   if (phase_ != ShootPhase::done) phase_ = ShootPhase::idle;
 }
 
-template <Precise Real>
-void FrameShoot<Real>::tick(PlayheadEvent event) {
+void FrameShoot::tick(PlayheadEvent event) {
   switch (phase_) {
     case ShootPhase::travelling:
       if (!rests()) return;
@@ -213,8 +197,7 @@ void FrameShoot<Real>::tick(PlayheadEvent event) {
   }
 }
 
-template <Precise Real>
-void FrameShoot<Real>::expose() {
+void FrameShoot::expose() {
   phase_ = ShootPhase::exposing;
   is_exposed_ = false;
   goes_on_ = false;
@@ -226,8 +209,7 @@ void FrameShoot<Real>::expose() {
   }
 }
 
-template <Precise Real>
-void FrameShoot<Real>::end_exposure() {
+void FrameShoot::end_exposure() {
   camera_ = false;
   ++exposures_;
   ++shots_of(frame_);
@@ -238,8 +220,5 @@ void FrameShoot<Real>::end_exposure() {
 const char* name_of(ShootPhase phase) {
   return phase_names[static_cast<std::size_t>(phase)];
 }
-
-template class FrameShoot<double>;
-template class FrameShoot<float>;
 
 }  // namespace inbetween

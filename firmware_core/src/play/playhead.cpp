@@ -9,11 +9,9 @@ namespace inbetween {
 namespace {
 
 /// Rounding may make the last jerk phase steeper than it began by this share.
-template <Precise Real>
-inline constexpr Real jerk_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+inline constexpr double jerk_rounding = 1e-9;
 /// The seconds of an exposure are a whole number of ticks within this share of a tick.
-template <Precise Real>
-inline constexpr Real tick_rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-9) : Real(1e-4);
+inline constexpr double tick_rounding = 1e-9;
 /// The bounds of an exposure may prove to be lower this often, because its run-up reaches further. Two or
 /// three times are usual: each time it reaches further by less.
 inline constexpr int max_narrowings = 64;
@@ -23,9 +21,8 @@ inline constexpr double scrub_rest_frames = 0.05;
 constexpr Direction opposite(Direction direction) {
   return direction == Direction::forward ? Direction::backward : Direction::forward;
 }
-template <Precise Real>
-constexpr Real sign_of(Direction direction) {
-  return static_cast<Real>(static_cast<int>(direction));
+constexpr double sign_of(Direction direction) {
+  return static_cast<double>(static_cast<int>(direction));
 }
 
 Error not_on_time_line() {
@@ -36,26 +33,24 @@ Error not_on_time_line() {
 
 }  // namespace
 
-template <Precise Real>
-Playhead<Real>::Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
-                         std::span<const StopBounds<Real>> rungs)
+Playhead::Playhead(const Move& move, const StopBounds& bounds, std::int32_t rate_hz,
+                   std::span<const StopBounds> rungs)
     : move_(&move),
       bounds_(&bounds),
       rungs_(rungs),
       unit_(static_cast<std::int64_t>(rate_hz) * move.frame_rate().denominator),
-      tick_s_(Real{1} / static_cast<Real>(rate_hz)),
-      fps_(static_cast<Real>(move.frame_rate().numerator) / static_cast<Real>(move.frame_rate().denominator)),
+      tick_s_(1.0 / static_cast<double>(rate_hz)),
+      fps_(static_cast<double>(move.frame_rate().numerator) /
+           static_cast<double>(move.frame_rate().denominator)),
       time_{move.first_frame(), 0},
-      override_(std::min(Real{1}, bounds.rate())) {}
+      override_(std::min(1.0, bounds.rate())) {}
 
 // --- commands
 
-template <Precise Real>
-Status Playhead<Real>::play(Direction direction) {
+Status Playhead::play(Direction direction) {
   // An exposure may reach beyond an end. Nothing moves there, so that the move is played from the end itself,
   // as if it rested there. From beyond, a repeat would take the whole way beyond for what one tick passed.
-  const FrameTime<Real> here =
-      std::clamp(time_, end_towards(Direction::backward), end_towards(Direction::forward));
+  const FrameTime here = std::clamp(time_, end_towards(Direction::backward), end_towards(Direction::forward));
   const bool rests = is_resting() || here != time_;
   if (rests && here == end_towards(direction)) {
     if (repeat_ == Repeat::none) {
@@ -68,7 +63,7 @@ Status Playhead<Real>::play(Direction direction) {
   // The rate means nothing at the end from which the move starts, because nothing moves there.
   if (rests && (here == end_towards(Direction::backward) || here == end_towards(Direction::forward))) {
     time_ = end_towards(opposite(direction));
-    rate_ = sign_of<Real>(direction) * override_;
+    rate_ = sign_of(direction) * override_;
     change_ = 0;
     anchor_here();
   }
@@ -78,20 +73,17 @@ Status Playhead<Real>::play(Direction direction) {
   return Done{};
 }
 
-template <Precise Real>
-void Playhead<Real>::stop() {
+void Playhead::stop() {
   has_next_ = false;
   if (!is_resting() && !travel_ends_like_a_stop()) state_ = PlayheadState::slowing;
 }
 
-template <Precise Real>
-void Playhead<Real>::halt() {
+void Playhead::halt() {
   has_next_ = false;
   rest();
 }
 
-template <Precise Real>
-Status Playhead<Real>::go_to(const FrameTime<Real>& place) {
+Status Playhead::go_to(const FrameTime& place) {
   if (!is_on_time_line(place)) return not_on_time_line();
   if (is_resting()) {
     begin_travel(place);
@@ -103,9 +95,8 @@ Status Playhead<Real>::go_to(const FrameTime<Real>& place) {
   return Done{};
 }
 
-template <Precise Real>
-Status Playhead<Real>::step(Direction direction) {
-  FrameTime<Real> from = time_;
+Status Playhead::step(Direction direction) {
+  FrameTime from = time_;
   if (has_next_) {
     from = next_;
   } else if (state_ == PlayheadState::travelling) {
@@ -119,8 +110,7 @@ Status Playhead<Real>::step(Direction direction) {
   return go_to(direction == Direction::forward ? from.frame + 1 : from.frame - (is_between ? 0 : 1));
 }
 
-template <Precise Real>
-Status Playhead<Real>::scrub_to(const FrameTime<Real>& target) {
+Status Playhead::scrub_to(const FrameTime& target) {
   if (!is_on_time_line(target)) return not_on_time_line();
   scrub_target_ = target;
   has_next_ = false;
@@ -128,8 +118,7 @@ Status Playhead<Real>::scrub_to(const FrameTime<Real>& target) {
   return Done{};
 }
 
-template <Precise Real>
-Status Playhead<Real>::set_override(Real rate) {
+Status Playhead::set_override(double rate) {
   if (!(rate > 0 && rate <= bounds_->rate())) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "the override is not above 0, or beyond the rate for which stops are proven",
@@ -139,8 +128,7 @@ Status Playhead<Real>::set_override(Real rate) {
   return Done{};
 }
 
-template <Precise Real>
-Status Playhead<Real>::place_on(std::int32_t frame) {
+Status Playhead::place_on(std::int32_t frame) {
   if (!is_on_time_line({frame, 0})) return not_on_time_line();
   if (!is_resting()) {
     return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
@@ -151,13 +139,12 @@ Status Playhead<Real>::place_on(std::int32_t frame) {
 
 // --- a tick
 
-template <Precise Real>
-PlayheadEvent Playhead<Real>::tick() {
+PlayheadEvent Playhead::tick() {
   switch (state_) {
     case PlayheadState::resting:
       return PlayheadEvent::none;
     case PlayheadState::playing:
-      return tick_ramp(sign_of<Real>(direction_) * override_);
+      return tick_ramp(sign_of(direction_) * override_);
     case PlayheadState::slowing:
       return tick_ramp(0);
     case PlayheadState::travelling:
@@ -172,8 +159,7 @@ PlayheadEvent Playhead<Real>::tick() {
   return tick_ramp(scrub_rate());
 }
 
-template <Precise Real>
-PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
+PlayheadEvent Playhead::tick_ramp(double target) {
   if (rate_ * target < 0) target = 0;  // a turn is a stop and a start
   if (rate_ == target && change_ == 0) {
     cruise();
@@ -182,8 +168,8 @@ PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
     anchor_here();
   }
   for (const Direction direction : {Direction::forward, Direction::backward}) {
-    if (!(rate_ * sign_of<Real>(direction) > 0)) continue;
-    const FrameTime<Real> end = end_towards(direction);
+    if (!(rate_ * sign_of(direction) > 0)) continue;
+    const FrameTime end = end_towards(direction);
     const bool is_inside = direction == Direction::forward ? time_ < end : end < time_;
     if (!is_inside) return pass_end(direction);
   }
@@ -192,8 +178,7 @@ PlayheadEvent Playhead<Real>::tick_ramp(Real target) {
 }
 
 /// Comes to rest after a slowing down.
-template <Precise Real>
-PlayheadEvent Playhead<Real>::settle() {
+PlayheadEvent Playhead::settle() {
   rest();
   if (!has_next_) return PlayheadEvent::stopped;
   has_next_ = false;
@@ -201,11 +186,10 @@ PlayheadEvent Playhead<Real>::settle() {
   return PlayheadEvent::none;
 }
 
-template <Precise Real>
-PlayheadEvent Playhead<Real>::pass_end(Direction direction) {
-  const FrameTime<Real> end = end_towards(direction);
+PlayheadEvent Playhead::pass_end(Direction direction) {
+  const FrameTime end = end_towards(direction);
   if (state_ == PlayheadState::playing && repeat_ != Repeat::none) {
-    const Real beyond = static_cast<Real>(time_.frame - end.frame) + time_.fraction;
+    const double beyond = static_cast<double>(time_.frame - end.frame) + time_.fraction;
     time_ = moved_by(repeat_ == Repeat::loop ? end_towards(opposite(direction)) : end,
                      repeat_ == Repeat::loop ? beyond : -beyond);
     if (repeat_ == Repeat::ping_pong) {
@@ -226,43 +210,39 @@ PlayheadEvent Playhead<Real>::pass_end(Direction direction) {
   return PlayheadEvent::finished;
 }
 
-template <Precise Real>
-void Playhead<Real>::rest() {
+void Playhead::rest() {
   rate_ = change_ = 0;
   state_ = PlayheadState::resting;
 }
 
 /// Time runs evenly. At the drawn speed whole ticks are counted, so that nothing is lost to rounding.
-template <Precise Real>
-void Playhead<Real>::cruise() {
+void Playhead::cruise() {
   if (std::fabs(rate_) != 1) return advance_by(rate_ * tick_s_);
   cruise_phase_ += move_->frame_rate().numerator;
   if (cruise_phase_ >= unit_) {
     cruise_frames_ += static_cast<std::int32_t>(cruise_phase_ / unit_);
     cruise_phase_ %= unit_;
   }
-  const Real fraction = static_cast<Real>(cruise_phase_) / static_cast<Real>(unit_);
+  const double fraction = static_cast<double>(cruise_phase_) / static_cast<double>(unit_);
   const std::int32_t frames = rate_ > 0 ? cruise_frames_ : -cruise_frames_;
   time_ = moved_by({anchor_.frame + frames, anchor_.fraction}, rate_ > 0 ? fraction : -fraction);
 }
 
-template <Precise Real>
-void Playhead<Real>::anchor_here() {
+void Playhead::anchor_here() {
   anchor_ = time_;
   cruise_frames_ = 0;
   cruise_phase_ = 0;
 }
 
 /// A stop, and the first half of a turn, keeps the stop limits, everything else those of the motion.
-template <Precise Real>
-void Playhead<Real>::change_to(Real target) {
+void Playhead::change_to(double target) {
   if (is_turning() || state_ == PlayheadState::slowing || rungs_.empty()) {
     rung_ = nullptr;
     return follow_to(target, *bounds_);
   }
   if (change_ == 0) rung_ = rung_from(target);
-  const Real side = rate_ != 0 ? std::copysign(Real{1}, rate_) : std::copysign(Real{1}, change_);
-  const auto permits = [&](const StopBounds<Real>& rung) {
+  const double side = rate_ != 0 ? std::copysign(1.0, rate_) : std::copysign(1.0, change_);
+  const auto permits = [&](const StopBounds& rung) {
     return rung.permits(time_, side * rate_, side * change_);
   };
   if (rung_ == nullptr || !permits(*rung_)) {
@@ -274,21 +254,19 @@ void Playhead<Real>::change_to(Real target) {
 }
 
 /// The lowest rung that leads from the present rate towards another.
-template <Precise Real>
-const StopBounds<Real>* Playhead<Real>::rung_from(Real target) const {
-  const Real rate = std::fabs(rate_);
+const StopBounds* Playhead::rung_from(double target) const {
+  const double rate = std::fabs(rate_);
   const bool rises = std::fabs(target) > rate;
   const auto above = std::ranges::find_if(
-      rungs_, [&](const StopBounds<Real>& rung) { return rises ? rung.rate() > rate : rung.rate() >= rate; });
+      rungs_, [&](const StopBounds& rung) { return rises ? rung.rate() > rate : rung.rate() >= rate; });
   return above == rungs_.end() ? &rungs_.back() : &*above;
 }
 
 /// A rate change that a stop began ends as quickly as stops may.
-template <Precise Real>
-void Playhead<Real>::release() {
+void Playhead::release() {
   rung_ = nullptr;
-  const Real step = bounds_->rate_jerk(time_) * tick_s_;
-  const Real next = std::copysign(std::max(std::fabs(change_) - step, Real{0}), change_);
+  const double step = bounds_->rate_jerk(time_) * tick_s_;
+  const double next = std::copysign(std::max(std::fabs(change_) - step, 0.0), change_);
   move_on((next - change_) / tick_s_, tick_s_);
   if (next == 0) change_ = 0;
 }
@@ -296,27 +274,25 @@ void Playhead<Real>::release() {
 /// One tick of the quickest way to a rate. The rate change a1 at its end is the largest that the bounds allow
 /// and from which the last phase, with r'' = Q, still meets the rate:
 ///     a1^2 <= 2 Q (gap - (a + a1) / 2 tick).
-template <Precise Real>
-void Playhead<Real>::follow_to(Real target, const StopBounds<Real>& within) {
+void Playhead::follow_to(double target, const StopBounds& within) {
   // The furthest place that the tick may reach.
-  const Real last_rate = within.rate_jerk(time_) * tick_s_ * tick_s_ / 6;
-  const Real reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + last_rate;
-  const Real gap = target - rate_;
-  const FrameTime<Real> ahead =
-      moved_by(time_, std::copysign(reach * tick_s_ * fps_, rate_ != 0 ? rate_ : gap));
+  const double last_rate = within.rate_jerk(time_) * tick_s_ * tick_s_ / 6;
+  const double reach = std::fabs(rate_) + std::fabs(change_) * tick_s_ / 2 + last_rate;
+  const double gap = target - rate_;
+  const FrameTime ahead = moved_by(time_, std::copysign(reach * tick_s_ * fps_, rate_ != 0 ? rate_ : gap));
   const bool is_forward = time_ < ahead;
-  const StopBound<Real> bound = within.min_between(is_forward ? time_ : ahead, is_forward ? ahead : time_);
+  const StopBound bound = within.min_between(is_forward ? time_ : ahead, is_forward ? ahead : time_);
   // Each bound holds within a cell of its place, so on both sides of a border that this tick may cross.
-  const Real jerk = std::max(within.rate_jerk(time_), within.rate_jerk(ahead));
+  const double jerk = std::max(within.rate_jerk(time_), within.rate_jerk(ahead));
   if (is_steady(target)) return settle_on(target);
   if (lands_within_tick(target, jerk)) return land(target);
-  const Real side = gap != 0 ? std::copysign(Real{1}, gap) : std::copysign(Real{1}, -change_);
-  const Real change = side * change_;
-  const Real last_change = bound.release_jerk * tick_s_ / 2;
-  const Real under_root =
+  const double side = gap != 0 ? std::copysign(1.0, gap) : std::copysign(1.0, -change_);
+  const double change = side * change_;
+  const double last_change = bound.release_jerk * tick_s_ / 2;
+  const double under_root =
       last_change * last_change + 4 * last_change / tick_s_ * (side * gap - change * tick_s_ / 2);
-  const Real step = jerk * tick_s_;
-  Real next = under_root > 0 ? std::sqrt(under_root) - last_change : change - step;
+  const double step = jerk * tick_s_;
+  double next = under_root > 0 ? std::sqrt(under_root) - last_change : change - step;
   next = std::min(next, bound.rate_change);
   next = std::clamp(next, change - step, change + step);
   move_on(side * (next - change) / tick_s_, tick_s_);
@@ -324,29 +300,25 @@ void Playhead<Real>::follow_to(Real target, const StopBounds<Real>& within) {
 
 /// Whether nothing but rounding is left of a change to a rate. A rounding of the rate change would turn into
 /// its opposite from tick to tick, for ever, and a stop would never be over.
-template <Precise Real>
-bool Playhead<Real>::is_steady(Real target) const {
-  const Real rounding = 8 * std::numeric_limits<Real>::epsilon() * bounds_->rate();
+bool Playhead::is_steady(double target) const {
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * bounds_->rate();
   return std::fabs(target - rate_) <= rounding && std::fabs(change_) * tick_s_ <= rounding;
 }
-template <Precise Real>
-void Playhead<Real>::settle_on(Real target) {
+void Playhead::settle_on(double target) {
   rate_ = target;
   change_ = 0;
   advance_by(target * tick_s_);
 }
 
 /// Whether rate and rate change can arrive together before the tick is over.
-template <Precise Real>
-bool Playhead<Real>::lands_within_tick(Real target, Real jerk) const {
-  const Real gap = target - rate_;
+bool Playhead::lands_within_tick(double target, double jerk) const {
+  const double gap = target - rate_;
   if (!(change_ * gap > 0) || 2 * gap / change_ > tick_s_) return false;
-  return change_ * change_ <= 2 * jerk * std::fabs(gap) * (1 + jerk_rounding<Real>);
+  return change_ * change_ <= 2 * jerk * std::fabs(gap) * (1 + jerk_rounding);
 }
-template <Precise Real>
-void Playhead<Real>::land(Real target) {
-  const Real gap = target - rate_;
-  const Real seconds = 2 * gap / change_;
+void Playhead::land(double target) {
+  const double gap = target - rate_;
+  const double seconds = 2 * gap / change_;
   move_on(-change_ / seconds, seconds);
   rate_ = target;
   change_ = 0;
@@ -354,65 +326,58 @@ void Playhead<Real>::land(Real target) {
 }
 
 /// Moves on for so many seconds at a constant r''.
-template <Precise Real>
-void Playhead<Real>::move_on(Real jerk, Real seconds) {
+void Playhead::move_on(double jerk, double seconds) {
   advance_by(seconds * (rate_ + seconds * (change_ / 2 + seconds * jerk / 6)));
   rate_ += seconds * (change_ + seconds * jerk / 2);
   change_ += seconds * jerk;
 }
 
-template <Precise Real>
-void Playhead<Real>::advance_by(Real seconds_of_time_line) {
+void Playhead::advance_by(double seconds_of_time_line) {
   time_ = moved_by(time_, seconds_of_time_line * fps_);
 }
 
 // --- from rest to rest
 
-template <Precise Real>
-Real Playhead<Real>::seconds_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
+double Playhead::seconds_between(const FrameTime& from, const FrameTime& to) const {
   return frames_between(from, to) / fps_;
 }
 
 /// A course that is below both bounds can be stopped anywhere: it is among the states that the stop bounds
 /// certify.
-template <Precise Real>
-StopBound<Real> Playhead<Real>::travel_bound(const FrameTime<Real>& from, const FrameTime<Real>& to) const {
-  const StopBound<Real> stops = bounds_->min_between(from, to);
+StopBound Playhead::travel_bound(const FrameTime& from, const FrameTime& to) const {
+  const StopBound stops = bounds_->min_between(from, to);
   if (rungs_.empty()) return stops;
-  const StopBound<Real> own = rungs_.front().min_between(from, to);
+  const StopBound own = rungs_.front().min_between(from, to);
   return {std::min(stops.rate_change, own.rate_change), std::min(stops.rate_jerk, own.rate_jerk),
           std::min(stops.release_jerk, own.release_jerk)};
 }
 
-template <Precise Real>
-Real Playhead<Real>::top_travel_rate() const {
+double Playhead::top_travel_rate() const {
   return rungs_.empty() ? bounds_->rate() : std::min(bounds_->rate(), rungs_.front().rate());
 }
 
-template <Precise Real>
-void Playhead<Real>::begin_travel(const FrameTime<Real>& to) {
+void Playhead::begin_travel(const FrameTime& to) {
   const bool backward = to < time_;
-  const StopBound<Real> bounds = travel_bound(backward ? to : time_, backward ? time_ : to);
-  const Real way_s = std::fabs(seconds_between(time_, to));
+  const StopBound bounds = travel_bound(backward ? to : time_, backward ? time_ : to);
+  const double way_s = std::fabs(seconds_between(time_, to));
   travel_ = {.from = time_,
              .to = to,
-             .sign = backward ? Real{-1} : Real{1},
-             .course = Travel<Real>::shortest(way_s, std::min(override_, top_travel_rate()), bounds)};
+             .sign = backward ? double{-1} : 1.0,
+             .course = Travel::shortest(way_s, std::min(override_, top_travel_rate()), bounds)};
   state_ = PlayheadState::travelling;
 }
 
-template <Precise Real>
-PlayheadEvent Playhead<Real>::tick_travel() {
+PlayheadEvent Playhead::tick_travel() {
   const std::int64_t ticks = ++travel_.ticks;
-  const Real t = static_cast<Real>(ticks) * tick_s_;
+  const double t = static_cast<double>(ticks) * tick_s_;
   if (!(t < travel_.course.seconds())) {
     time_ = travel_.to;
     if (has_next_) return settle();
     rest();
     return PlayheadEvent::arrived;
   }
-  const TravelState<Real> now = travel_.course.at(t);
-  const Real frames = travel_.sign * now.way_s * fps_;
+  const TravelState now = travel_.course.at(t);
+  const double frames = travel_.sign * now.way_s * fps_;
   time_ = now.to_end ? moved_by(travel_.to, -frames) : moved_by(travel_.from, frames);
   rate_ = travel_.sign * now.rate;
   change_ = travel_.sign * now.rate_change;
@@ -423,46 +388,43 @@ PlayheadEvent Playhead<Real>::tick_travel() {
 
 /// A stop keeps at least the bounds of the way that is left, and falls tick by tick, a little later than the
 /// travel: with the same bounds it would pass its end.
-template <Precise Real>
-bool Playhead<Real>::travel_ends_like_a_stop() const {
+bool Playhead::travel_ends_like_a_stop() const {
   if (state_ != PlayheadState::travelling || rate_ == 0) return false;
   const bool backward = travel_.sign < 0;
-  const StopBound<Real> bounds =
-      bounds_->min_between(backward ? travel_.to : time_, backward ? time_ : travel_.to);
-  const Real left_s = travel_.sign * seconds_between(time_, travel_.to);
-  return Travel<Real>::stop_way(travel_.sign * rate_, travel_.sign * change_, bounds, tick_s_) > left_s;
+  const StopBound bounds = bounds_->min_between(backward ? travel_.to : time_, backward ? time_ : travel_.to);
+  const double left_s = travel_.sign * seconds_between(time_, travel_.to);
+  return Travel::stop_way(travel_.sign * rate_, travel_.sign * change_, bounds, tick_s_) > left_s;
 }
 
 // --- exposures in motion
 
 /// The rise takes no whole number of ticks, but the even stretch begins early enough for a tick to open on,
 /// and lasts until a tick. The wider the course, the lower its bounds may be, and the wider it has to be.
-template <Precise Real>
-Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposure<Real>& exposure) const {
-  const Real way_s = seconds_between(exposure.open, exposure.close);
+Result<typename Playhead::Journey> Playhead::journey_of(const Exposure& exposure) const {
+  const double way_s = seconds_between(exposure.open, exposure.close);
   if (!(way_s > 0 && exposure.seconds > 0)) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an exposure in motion covers no time",
                  .remedy = "let it close after it opens, and last longer than 0 s"};
   }
-  const Real rate = way_s / exposure.seconds;
+  const double rate = way_s / exposure.seconds;
   if (rate > top_travel_rate()) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an exposure is so short that the rig would go faster than drawn",
                  .remedy = "expose longer, or open the shutter for a smaller share of the frame"};
   }
-  const Real open_ticks = std::ceil(exposure.seconds / tick_s_ - tick_rounding<Real>);
-  StopBound<Real> bounds = travel_bound(exposure.open, exposure.close);
+  const double open_ticks = std::ceil(exposure.seconds / tick_s_ - tick_rounding);
+  StopBound bounds = travel_bound(exposure.open, exposure.close);
   for (int narrower = 0; narrower < max_narrowings; ++narrower) {
-    const Real rise_s = Travel<Real>::rise_to(rate, bounds);
-    const Real rise_ticks = std::ceil(rise_s / tick_s_);
-    const Real run_up_s = rate * (rise_ticks * tick_s_ - rise_s / 2);
+    const double rise_s = Travel::rise_to(rate, bounds);
+    const double rise_ticks = std::ceil(rise_s / tick_s_);
+    const double run_up_s = rate * (rise_ticks * tick_s_ - rise_s / 2);
     Journey journey{.from = moved_by(exposure.open, -run_up_s * fps_),
                     .to = moved_by(exposure.open, rate * (open_ticks * tick_s_ + rise_s / 2) * fps_),
-                    .course = Travel<Real>::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
+                    .course = Travel::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
                     .opening_tick = static_cast<std::int64_t>(rise_ticks),
                     .closing_tick = static_cast<std::int64_t>(rise_ticks + open_ticks)};
-    const StopBound<Real> on_the_way = travel_bound(journey.from, journey.to);
+    const StopBound on_the_way = travel_bound(journey.from, journey.to);
     if (on_the_way.rate_change >= bounds.rate_change && on_the_way.release_jerk >= bounds.release_jerk)
       return journey;
     bounds = on_the_way;
@@ -472,15 +434,13 @@ Result<typename Playhead<Real>::Journey> Playhead<Real>::journey_of(const Exposu
                .remedy = "expose longer"};
 }
 
-template <Precise Real>
-Result<ExposureWay<Real>> Playhead<Real>::way_of(const Exposure<Real>& exposure) const {
+Result<ExposureWay> Playhead::way_of(const Exposure& exposure) const {
   const Result<Journey> journey = journey_of(exposure);
   if (!journey) return journey.error();
-  return ExposureWay<Real>{journey->from, journey->to};
+  return ExposureWay{journey->from, journey->to};
 }
 
-template <Precise Real>
-Status Playhead<Real>::go_to_run_up(const Exposure<Real>& exposure) {
+Status Playhead::go_to_run_up(const Exposure& exposure) {
   if (!is_resting()) {
     return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
   }
@@ -490,8 +450,7 @@ Status Playhead<Real>::go_to_run_up(const Exposure<Real>& exposure) {
   return Done{};
 }
 
-template <Precise Real>
-Status Playhead<Real>::expose(const Exposure<Real>& exposure) {
+Status Playhead::expose(const Exposure& exposure) {
   const Result<Journey> journey = journey_of(exposure);
   if (!journey) return journey.error();
   if (!is_resting() || time_ != journey->from) {
@@ -508,28 +467,22 @@ Status Playhead<Real>::expose(const Exposure<Real>& exposure) {
 
 /// The rate falls as the target comes near, so that the playhead can follow: from the highest rate of a
 /// travel it takes as long as a stop.
-template <Precise Real>
-Real Playhead<Real>::scrub_rate() const {
-  const Real way = seconds_between(time_, scrub_target_);
-  if (std::fabs(way) * fps_ <= Real(scrub_rest_frames)) return 0;
-  const StopBound<Real> bounds = (rungs_.empty() ? *bounds_ : rungs_.front()).at(time_);
-  const Real rate = std::min(override_, top_travel_rate());
-  const Real lag_s = 2 * (rate / bounds.rate_change + bounds.rate_change / bounds.release_jerk);
+double Playhead::scrub_rate() const {
+  const double way = seconds_between(time_, scrub_target_);
+  if (std::fabs(way) * fps_ <= scrub_rest_frames) return 0;
+  const StopBound bounds = (rungs_.empty() ? *bounds_ : rungs_.front()).at(time_);
+  const double rate = std::min(override_, top_travel_rate());
+  const double lag_s = 2 * (rate / bounds.rate_change + bounds.rate_change / bounds.release_jerk);
   return std::clamp(way / lag_s, -rate, rate);
 }
 
-template <Precise Real>
-bool Playhead<Real>::is_on_time_line(const FrameTime<Real>& time) const {
+bool Playhead::is_on_time_line(const FrameTime& time) const {
   return time.fraction >= 0 && time.fraction < 1 && time.frame >= move_->first_frame() &&
-         time <= FrameTime<Real>{move_->last_frame(), 0};
+         time <= FrameTime{move_->last_frame(), 0};
 }
 
-template <Precise Real>
-FrameTime<Real> Playhead<Real>::end_towards(Direction direction) const {
+FrameTime Playhead::end_towards(Direction direction) const {
   return {direction == Direction::forward ? move_->last_frame() : move_->first_frame(), 0};
 }
-
-template class Playhead<double>;
-template class Playhead<float>;
 
 }  // namespace inbetween

@@ -30,44 +30,41 @@ std::uint64_t bit_of(std::int32_t line) {
 }  // namespace
 
 /// The variable is the share 0..1 of the tick. Forward on the unfolded way is positive.
-template <Precise Real>
-struct CueTimer<Real>::Way {
-  Real frames = 0;      ///< of the whole tick
-  Quintic<Real> c{};    ///< frames(u) = c[1] u + c[2] u^2 + ...
+struct CueTimer::Way {
+  double frames = 0;    ///< of the whole tick
+  Quintic c{};          ///< frames(u) = c[1] u + c[2] u^2 + ...
   bool is_cut = false;  ///< the playhead comes to an end: only c[1] and c[2] count, until there
   std::int64_t start_ns = 0;
   std::int64_t tick_ns = 0;
 
   /// The share at which c[1] and c[2] alone have come so far, above 1 if they do not within the tick.
-  [[nodiscard]] Real cut_share(Real way) const {
-    const Real under_root = c[1] * c[1] + 4 * c[2] * way;
+  [[nodiscard]] double cut_share(double way) const {
+    const double under_root = c[1] * c[1] + 4 * c[2] * way;
     if (!(c[1] > 0) || under_root < 0) return 2;
     return 2 * way / (c[1] + std::sqrt(under_root));
   }
   /// 0 <= way <= frames.
-  [[nodiscard]] std::int64_t time_ns(Real way) const {
-    Real share = cut_share(way);
+  [[nodiscard]] std::int64_t time_ns(double way) const {
+    double share = cut_share(way);
     if (!is_cut) {
-      share = way <= 0 ? Real{0} : Real{1};
+      share = way <= 0 ? 0.0 : 1.0;
       if (way > 0 && way < frames) {
-        share = bisected<Real>({0, 1}, halvings, [&](Real u) { return value_at(c, u) < way; }).high;
+        share = bisected({0, 1}, halvings, [&](double u) { return value_at(c, u) < way; }).high;
       }
     }
-    const auto length = static_cast<Real>(tick_ns);
-    return start_ns + static_cast<std::int64_t>(std::round(std::clamp(share, Real{0}, Real{1}) * length));
+    const auto length = static_cast<double>(tick_ns);
+    return start_ns + static_cast<std::int64_t>(std::round(std::clamp(share, 0.0, 1.0) * length));
   }
 };
 
 /// The way between two turns, or within one tick.
-template <Precise Real>
-struct CueTimer<Real>::Leg {
-  FrameTime<Real> from, to;
-  Real way = 0;  ///< frames into the tick at its beginning
+struct CueTimer::Leg {
+  FrameTime from, to;
+  double way = 0;  ///< frames into the tick at its beginning
   bool is_forward = true;
 };
 
-template <Precise Real>
-struct CueTimer<Real>::Output {
+struct CueTimer::Output {
   CueRoom room;
   CueCount count;
   std::int64_t start_ns = 0;
@@ -91,12 +88,10 @@ struct CueTimer<Real>::Output {
   }
 };
 
-template <Precise Real>
-Result<CueTimer<Real>> CueTimer<Real>::make(std::span<const TimedPulse<Real>> pulses,
-                                            std::int32_t first_frame, std::int32_t last_frame,
-                                            FrameRate fps) {
+Result<CueTimer> CueTimer::make(std::span<const TimedPulse> pulses, std::int32_t first_frame,
+                                std::int32_t last_frame, FrameRate fps) {
   for (std::size_t i = 0; i < pulses.size(); ++i) {
-    const TimedPulse<Real>& pulse = pulses[i];
+    const TimedPulse& pulse = pulses[i];
     if (!(pulse.at.fraction >= 0 && pulse.at.fraction < 1)) {
       return wrong_pulse(i, "a pulse begins at no place of a frame", "use a fraction from 0 to below 1");
     }
@@ -113,11 +108,10 @@ Result<CueTimer<Real>> CueTimer<Real>::make(std::span<const TimedPulse<Real>> pu
                  .what = "pulses are on no time line",
                  .remedy = "give its first and last frame, in order, and its frame rate"};
   }
-  return CueTimer(pulses, first_frame, last_frame, static_cast<Real>(fps.frames_per_second()));
+  return CueTimer(pulses, first_frame, last_frame, fps.frames_per_second());
 }
 
-template <Precise Real>
-Status CueTimer<Real>::check_room(const CueRoom& room) {
+Status CueTimer::check_room(const CueRoom& room) {
   if (room.instants.size() >= instants_for(room.begun.size())) return Done{};
   return Error{.code = ErrorCode::capacity,
                .what = "too little room for the instants of the pulses",
@@ -125,21 +119,18 @@ Status CueTimer<Real>::check_room(const CueRoom& room) {
                .needed = static_cast<std::int64_t>(instants_for(room.begun.size()))};
 }
 
-template <Precise Real>
-std::size_t CueTimer<Real>::first_at(const FrameTime<Real>& time) const {
+std::size_t CueTimer::first_at(const FrameTime& time) const {
   const auto found = std::partition_point(pulses_.begin(), pulses_.end(),
-                                          [&](const TimedPulse<Real>& pulse) { return pulse.at < time; });
+                                          [&](const TimedPulse& pulse) { return pulse.at < time; });
   return static_cast<std::size_t>(found - pulses_.begin());
 }
-template <Precise Real>
-std::size_t CueTimer<Real>::first_behind(const FrameTime<Real>& time) const {
+std::size_t CueTimer::first_behind(const FrameTime& time) const {
   const auto found = std::partition_point(pulses_.begin(), pulses_.end(),
-                                          [&](const TimedPulse<Real>& pulse) { return pulse.at <= time; });
+                                          [&](const TimedPulse& pulse) { return pulse.at <= time; });
   return static_cast<std::size_t>(found - pulses_.begin());
 }
 
-template <Precise Real>
-Result<CueCount> CueTimer<Real>::advance(const CueTick<Real>& tick, CueRoom room) {
+Result<CueCount> CueTimer::advance(const CueTick& tick, CueRoom room) {
   if (const Status enough = check_room(room); !enough) return enough.error();
   if (tick.end_ns <= tick.start_ns || (has_place_ && tick.start_ns < ended_ns_)) {
     return Error{.code = ErrorCode::out_of_range,
@@ -161,33 +152,32 @@ Result<CueCount> CueTimer<Real>::advance(const CueTick<Real>& tick, CueRoom room
   return out.count;
 }
 
-template <Precise Real>
-void CueTimer<Real>::go_through(const CueTick<Real>& tick, Output& out) {
-  const FrameTime<Real> from = tick.from.time;
-  const FrameTime<Real> to = tick.to.time;
+void CueTimer::go_through(const CueTick& tick, Output& out) {
+  const FrameTime from = tick.from.time;
+  const FrameTime to = tick.to.time;
   const bool turns = tick.repeated == Repeat::ping_pong;
   // The direction at the start of the tick; after a turn it is the other one.
   bool is_forward = from < to;
   if (tick.repeated != Repeat::none) is_forward = (tick.to.rate > 0) != turns;
-  const FrameTime<Real> end = is_forward ? last_ : first_;
-  const FrameTime<Real> other_end = is_forward ? first_ : last_;
-  const FrameTime<Real> again = turns ? end : other_end;
-  const Real to_end = std::fabs(frames_between(from, end));
+  const FrameTime end = is_forward ? last_ : first_;
+  const FrameTime other_end = is_forward ? first_ : last_;
+  const FrameTime again = turns ? end : other_end;
+  const double to_end = std::fabs(frames_between(from, end));
   Way way{.frames = tick.repeated == Repeat::none ? std::fabs(frames_between(from, to))
                                                   : to_end + std::fabs(frames_between(again, to)),
           .start_ns = tick.start_ns,
           .tick_ns = tick.end_ns - tick.start_ns};
   if (!(way.frames > 0)) return;
-  const Real tick_s = static_cast<Real>(way.tick_ns) * Real(1e-9);
-  const Real sign = is_forward ? Real{1} : Real{-1};
-  const Real sign_after = turns ? -sign : sign;
-  const Real begin_rate = sign * tick.from.rate * fps_ * tick_s;
-  const Real end_rate = sign_after * tick.to.rate * fps_ * tick_s;
-  const Real begin_change = sign * tick.from.rate_change * fps_ * tick_s * tick_s;
-  const Real end_change = sign_after * tick.to.rate_change * fps_ * tick_s * tick_s;
-  way.c = joining<Real>({0, begin_rate, begin_change}, {way.frames, end_rate, end_change});
+  const double tick_s = static_cast<double>(way.tick_ns) * 1e-9;
+  const double sign = is_forward ? 1.0 : double{-1};
+  const double sign_after = turns ? -sign : sign;
+  const double begin_rate = sign * tick.from.rate * fps_ * tick_s;
+  const double end_rate = sign_after * tick.to.rate * fps_ * tick_s;
+  const double begin_change = sign * tick.from.rate_change * fps_ * tick_s * tick_s;
+  const double end_change = sign_after * tick.to.rate_change * fps_ * tick_s * tick_s;
+  way.c = joining({0, begin_rate, begin_change}, {way.frames, end_rate, end_change});
   const bool rests_at_end = tick.repeated == Repeat::none && to == end && end_rate == 0 && end_change == 0;
-  way.is_cut = rests_at_end && way.cut_share(way.frames) <= 1 + Real(share_rounding);
+  way.is_cut = rests_at_end && way.cut_share(way.frames) <= 1 + share_rounding;
   if (tick.repeated == Repeat::none) {
     go({from, to, 0, is_forward}, way, out);
     return;
@@ -197,8 +187,7 @@ void CueTimer<Real>::go_through(const CueTick<Real>& tick, Output& out) {
   go({again, to, to_end, is_forward != turns}, way, out);
 }
 
-template <Precise Real>
-void CueTimer<Real>::go(const Leg& leg, const Way& way, Output& out) {
+void CueTimer::go(const Leg& leg, const Way& way, Output& out) {
   if (!leg.is_forward) {
     next_ = first_at(leg.to);
     return;
@@ -215,23 +204,21 @@ void CueTimer<Real>::go(const Leg& leg, const Way& way, Output& out) {
 }
 
 /// Begins the pulses that were passed exactly at the end of the tick before.
-template <Precise Real>
-void CueTimer<Real>::begin_due(Output& out) {
+void CueTimer::begin_due(Output& out) {
   for (const Range& range : due_) {
     for (std::size_t i = range.first; i < range.last; ++i) begin(i, out.start_ns, out);
   }
   due_.clear();
 }
 
-template <Precise Real>
-void CueTimer<Real>::begin(std::size_t pulse, std::int64_t at_ns, Output& out) {
+void CueTimer::begin(std::size_t pulse, std::int64_t at_ns, Output& out) {
   if (out.count.begun == out.room.begun.size()) {
     ++counters_.lost;
     return;
   }
   end_before(at_ns, out);
   out.latest_ns = at_ns;
-  const TimedPulse<Real>& timed = pulses_[pulse];
+  const TimedPulse& timed = pulses_[pulse];
   const std::uint64_t line = bit_of(timed.line);
   std::int64_t& off_at_ns = off_at_ns_[static_cast<std::size_t>(timed.line)];
   const bool is_on = (lines_on_ & line) != 0;
@@ -243,8 +230,7 @@ void CueTimer<Real>::begin(std::size_t pulse, std::int64_t at_ns, Output& out) {
   out.room.begun[out.count.begun++] = {.pulse = pulse, .at_ns = at_ns, .is_merged = is_merged};
 }
 
-template <Precise Real>
-void CueTimer<Real>::end_before(std::int64_t at_ns, Output& out) {
+void CueTimer::end_before(std::int64_t at_ns, Output& out) {
   for (;;) {
     std::size_t first = max_lines;
     for (std::uint64_t on = lines_on_; on != 0; on &= on - 1) {
@@ -261,16 +247,12 @@ void CueTimer<Real>::end_before(std::int64_t at_ns, Output& out) {
   }
 }
 
-template <Precise Real>
-Result<CueCount> CueTimer<Real>::end_all(CueRoom room) {
+Result<CueCount> CueTimer::end_all(CueRoom room) {
   if (const Status enough = check_room(room); !enough) return enough.error();
   Output out{.room = room, .count = {}, .start_ns = ended_ns_, .end_ns = ended_ns_, .latest_ns = ended_ns_};
   begin_due(out);
   end_before(std::numeric_limits<std::int64_t>::max(), out);
   return out.count;
 }
-
-template class CueTimer<double>;
-template class CueTimer<float>;
 
 }  // namespace inbetween

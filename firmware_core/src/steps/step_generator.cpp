@@ -36,8 +36,7 @@ Status check_timing(const StepTiming& timing) {
   return Done{};
 }
 
-template <Precise Real>
-Status check_spec(const StepSpec<Real>& spec) {
+Status check_spec(const StepSpec& spec) {
   if (!std::isfinite(spec.steps_per_unit) || !std::isfinite(spec.max_step_rate)) {
     return Error{.code = ErrorCode::not_finite,
                  .what = "steps_per_unit or max_step_rate is not a finite number",
@@ -66,19 +65,17 @@ Status check_spec(const StepSpec<Real>& spec) {
 
 /// The steps that a rate permits in a tick: one more than whole periods fit in. The millionth is for a
 /// whole number of periods, which rounding may have put on either side.
-template <Precise Real>
-std::int64_t steps_per_tick(const StepSpec<Real>& spec) {
+std::int64_t steps_per_tick(const StepSpec& spec) {
   const double periods = static_cast<double>(spec.max_step_rate) * static_cast<double>(spec.tick_ns) * 1e-9;
   return whole(std::floor(periods * (1 + 1e-6))) + 1;
 }
 
-template <Precise Real>
-Status check_position(Real position, Real steps_per_unit) {
+Status check_position(double position, double steps_per_unit) {
   if (!std::isfinite(position)) {
     return Error{
         .code = ErrorCode::not_finite, .what = "a position is not a finite number", .remedy = "give one"};
   }
-  if (!(std::fabs(position * steps_per_unit) <= max_step_position<Real>)) {
+  if (!(std::fabs(position * steps_per_unit) <= max_step_position)) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "a position is more steps from 0 than this precision resolves",
                  .remedy = "put 0 nearer, or use fewer steps per unit"};
@@ -87,25 +84,22 @@ Status check_position(Real position, Real steps_per_unit) {
 }
 
 /// The direction in which the motion leaves a tick: 1, -1, or 0 at rest.
-template <Precise Real>
-int heading(const Setpoint<Real>& at, Real steps_per_unit) {
-  const Real towards = at.velocity != 0 ? at.velocity : at.acceleration;
+int heading(const Setpoint& at, double steps_per_unit) {
+  const double towards = at.velocity != 0 ? at.velocity : at.acceleration;
   if (towards == 0) return 0;
   return (towards > 0) == (steps_per_unit > 0) ? 1 : -1;
 }
 
 }  // namespace
 
-template <Precise Real>
-Status check_step_rate(const StepSpec<Real>& spec, Real max_velocity) {
+Status check_step_rate(const StepSpec& spec, double max_velocity) {
   if (const Status status = check_spec(spec); !status) return status;
   if (!std::isfinite(max_velocity)) {
     return Error{.code = ErrorCode::not_finite,
                  .what = "max_velocity is not a finite number",
                  .remedy = "give a finite number"};
   }
-  const double needed =
-      std::fabs(static_cast<double>(max_velocity) * static_cast<double>(spec.steps_per_unit));
+  const double needed = std::fabs(max_velocity * spec.steps_per_unit);
   if (needed > static_cast<double>(spec.max_step_rate)) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "max_velocity * steps_per_unit is above max_step_rate",
@@ -116,10 +110,9 @@ Status check_step_rate(const StepSpec<Real>& spec, Real max_velocity) {
 }
 
 /// Writes the edges of one tick in the order of time, and keeps the minima.
-template <Precise Real>
-class StepGenerator<Real>::Writer {
+class StepGenerator::Writer {
  public:
-  Writer(const StepSpec<Real>& spec, State& state, std::span<StepEdge> out)
+  Writer(const StepSpec& spec, State& state, std::span<StepEdge> out)
       : timing_(spec.timing), tick_ns_(spec.tick_ns), state_(state), out_(out) {
     if (state_.is_high) fall();
   }
@@ -207,8 +200,7 @@ class StepGenerator<Real>::Writer {
   std::size_t size_ = 0;
 };
 
-template <Precise Real>
-Result<StepGenerator<Real>> StepGenerator<Real>::make(const StepSpec<Real>& spec) {
+Result<StepGenerator> StepGenerator::make(const StepSpec& spec) {
   if (const Status status = check_spec(spec); !status) return status.error();
   const std::int64_t steps = steps_per_tick(spec);
   if (steps > max_steps_per_tick) {
@@ -220,8 +212,7 @@ Result<StepGenerator<Real>> StepGenerator<Real>::make(const StepSpec<Real>& spec
   return StepGenerator(spec, static_cast<std::int32_t>(steps));
 }
 
-template <Precise Real>
-Status StepGenerator<Real>::place(Real position) {
+Status StepGenerator::place(double position) {
   if (const Status status = check_position(position, spec_.steps_per_unit); !status) return status;
   state_.at = {.position = position};
   state_.count = step_position(position, spec_.steps_per_unit).nearest;
@@ -229,16 +220,14 @@ Status StepGenerator<Real>::place(Real position) {
   return Done{};
 }
 
-template <Precise Real>
-std::size_t StepGenerator<Real>::max_edges() const {
+std::size_t StepGenerator::max_edges() const {
   const auto pulses = static_cast<std::size_t>(spec_.tick_ns / min_period_ns(spec_.timing)) + 1;
   // Pulses that fit into a tick bound its edges, and so do the steps of its motion with those that waited.
   const std::size_t steps = static_cast<std::size_t>(max_steps_) + max_waiting;
   return 2 * std::min(pulses, steps) + 1 + max_dir_edges;
 }
 
-template <Precise Real>
-Result<std::size_t> StepGenerator<Real>::advance(const Setpoint<Real>& end, std::span<StepEdge> out) {
+Result<std::size_t> StepGenerator::advance(const Setpoint& end, std::span<StepEdge> out) {
   if (!std::isfinite(end.velocity) || !std::isfinite(end.acceleration)) {
     return Error{.code = ErrorCode::not_finite,
                  .what = "a velocity or acceleration is not a finite number",
@@ -259,15 +248,15 @@ Result<std::size_t> StepGenerator<Real>::advance(const Setpoint<Real>& end, std:
                  .remedy = "stop the rig, and plan the move with max_velocity below the step rate",
                  .needed = needed};
   };
-  const StepPosition<Real> from = step_position(state_.at.position, spec_.steps_per_unit);
-  const StepPosition<Real> to = step_position(end.position, spec_.steps_per_unit);
+  const StepPosition from = step_position(state_.at.position, spec_.steps_per_unit);
+  const StepPosition to = step_position(end.position, spec_.steps_per_unit);
   const std::int64_t way = to.nearest - from.nearest;
   if (way > max_steps_ || -way > max_steps_) return too_many(way > 0 ? way : -way);
-  const Real tick_s = static_cast<Real>(spec_.tick_ns) * Real(1e-9);
-  const Real per_tick = spec_.steps_per_unit * tick_s;
-  const StepCrossings<Real> crossings(
+  const double tick_s = static_cast<double>(spec_.tick_ns) * 1e-9;
+  const double per_tick = spec_.steps_per_unit * tick_s;
+  const StepCrossings crossings(
       {from.rest, state_.at.velocity * per_tick, state_.at.acceleration * per_tick * tick_s},
-      {static_cast<Real>(way) + to.rest, end.velocity * per_tick, end.acceleration * per_tick * tick_s},
+      {static_cast<double>(way) + to.rest, end.velocity * per_tick, end.acceleration * per_tick * tick_s},
       static_cast<std::int32_t>(way));
   if (crossings.count() < 0) return too_many(-1);
   if (crossings.count() > max_steps_) return too_many(crossings.count());
@@ -276,13 +265,13 @@ Result<std::size_t> StepGenerator<Real>::advance(const Setpoint<Real>& end, std:
   State next = state_;
   next.at = end;
   Writer writer(spec_, next, out);
-  const auto tick = static_cast<Real>(spec_.tick_ns);
-  // An edge is rounded to a nanosecond, so a sixteenth of one suffices; Real may not resolve even that.
-  const Real sixteenth_ns = 1 / (16 * tick);
-  const Real tolerance = std::max(sixteenth_ns, 2 * std::numeric_limits<Real>::epsilon());
+  const auto tick = static_cast<double>(spec_.tick_ns);
+  // An edge is rounded to a nanosecond, so a sixteenth of one suffices; double may not resolve even that.
+  const double sixteenth_ns = 1 / (16 * tick);
+  const double tolerance = std::max(sixteenth_ns, 2 * std::numeric_limits<double>::epsilon());
   bool fits = true;
-  crossings.visit(tolerance, [&](Real u, bool up) {
-    const auto at_ns = std::min(static_cast<std::int64_t>(u * tick + Real(0.5)), spec_.tick_ns);
+  crossings.visit(tolerance, [&](double u, bool up) {
+    const auto at_ns = std::min(static_cast<std::int64_t>(u * tick + 0.5), spec_.tick_ns);
     fits = fits && writer.cross(at_ns, up);
   });
   if (!fits) {
@@ -294,12 +283,5 @@ Result<std::size_t> StepGenerator<Real>::advance(const Setpoint<Real>& end, std:
   state_ = next;
   return size;
 }
-
-#define INBETWEEN_INSTANTIATE(Real)                             \
-  template Status check_step_rate(const StepSpec<Real>&, Real); \
-  template class StepGenerator<Real>;
-INBETWEEN_INSTANTIATE(float)
-INBETWEEN_INSTANTIATE(double)
-#undef INBETWEEN_INSTANTIATE
 
 }  // namespace inbetween

@@ -15,17 +15,16 @@ namespace {
 /// curve as drawn from one drawn span away on.
 constexpr std::int32_t spans_to_touch = 4;
 
-template <Precise Real>
 class Adjustment {
  public:
-  Adjustment(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory, std::size_t lock_count)
+  Adjustment(const KeyTimingSpec& spec, const KeyTimingMemory& memory, std::size_t lock_count)
       : spec_(spec),
         memory_(memory),
         locks_(memory.locks.first(lock_count)),
         drawn_f_(static_cast<std::int32_t>(spec.control_values.size()) - 1),
         is_periodic_(spec.ends == CurveEnds::periodic) {}
 
-  Result<KeyTiming<Real>> run() {
+  Result<KeyTiming> run() {
     for (std::int32_t refinements = 0;; ++refinements) {
       const std::int32_t f = drawn_f_ << refinements;
       const std::int64_t needed = static_cast<std::int64_t>(f) + 1;
@@ -119,11 +118,11 @@ class Adjustment {
 
   std::int32_t attempt(std::int32_t f) {
     const std::size_t count = static_cast<std::size_t>(f) + 1;
-    const std::span<Real> drawn = memory_.drawn.first(count);
-    NearestCurve<Real> curve(memory_, f, spec_.ends, locks_, spec_.frames);
+    const std::span<double> drawn = memory_.drawn.first(count);
+    NearestCurve curve(memory_, f, spec_.ends, locks_, spec_.frames);
     set_targets(curve, f);
     for (std::size_t i = 0; i < count; ++i) {
-      memory_.ceiling[i] = is_rest<Real>(drawn, i, spec_.ends) ? Real(0) : Real(largest_control_value);
+      memory_.ceiling[i] = is_rest(drawn, i, spec_.ends) ? 0.0 : largest_control_value;
     }
     for (const KeyLock& lock : locks_) {
       if (lock.hold > 0 || lock.ease) rest_at(lock, curve, f);
@@ -135,10 +134,10 @@ class Adjustment {
 
   /// Between two locks with no distance in between no value can be above 0. Left to the multipliers, this
   /// would take an infinite one.
-  void stop_between_equal_keys(const NearestCurve<Real>& curve) {
+  void stop_between_equal_keys(const NearestCurve& curve) {
     for (std::size_t r = 0; r + 1 < locks_.size(); ++r) {
       if (memory_.targets[r] > 0) continue;
-      const IntegralRow<Real> row = curve.row(r);
+      const IntegralRow row = curve.row(r);
       for (std::int32_t i = row.first(); i <= row.last(); ++i) {
         if (row.weight(i) > 0) memory_.ceiling[row.index(i)] = 0;
       }
@@ -147,13 +146,13 @@ class Adjustment {
 
   /// The distance to the nearest value that stands still, in drawn spans, through a smooth step.
   void set_mobility(std::int32_t f) {
-    const std::span<Real> mobility = memory_.mobility.first(static_cast<std::size_t>(f) + 1);
-    const Real per_value = static_cast<Real>(drawn_f_) / static_cast<Real>(f);
-    const auto come_to = [&](std::size_t i, Real away) {
-      return memory_.ceiling[i] > 0 ? std::min(away + per_value, Real(1)) : Real(0);
+    const std::span<double> mobility = memory_.mobility.first(static_cast<std::size_t>(f) + 1);
+    const double per_value = static_cast<double>(drawn_f_) / static_cast<double>(f);
+    const auto come_to = [&](std::size_t i, double away) {
+      return memory_.ceiling[i] > 0 ? std::min(away + per_value, 1.0) : 0.0;
     };
-    Real after = 1;
-    Real before = 1;
+    double after = 1;
+    double before = 1;
     if (is_periodic_) {  // once round, to know how far the last rest is from either side of the seam
       for (std::size_t i = 0; i + 1 < mobility.size(); ++i) after = come_to(i, after);
       for (std::size_t i = mobility.size() - 1; i-- > 0;) before = come_to(i, before);
@@ -167,29 +166,29 @@ class Adjustment {
   }
 
   /// Phi between two breaks as drawn, and in it each lock's share of the length.
-  void set_targets(const NearestCurve<Real>& curve, std::int32_t f) {
+  void set_targets(const NearestCurve& curve, std::int32_t f) {
     for (std::size_t begin = 0; begin + 1 < locks_.size();) {
       std::size_t end = begin + 1;
       while (end + 1 < locks_.size() && !locks_[end].breaks) ++end;
-      const IntegralRow<Real> stretch(curve.a(locks_[begin]), curve.a(locks_[end]), f, spec_.ends);
-      const Real integral = stretch.integral(memory_.drawn);
-      const Real length = distance(locks_[end]) - distance(locks_[begin]);
+      const IntegralRow stretch(curve.a(locks_[begin]), curve.a(locks_[end]), f, spec_.ends);
+      const double integral = stretch.integral(memory_.drawn);
+      const double length = distance(locks_[end]) - distance(locks_[begin]);
       for (std::size_t r = begin; r < end; ++r) {
-        const Real part = distance(locks_[r + 1]) - distance(locks_[r]);
-        memory_.targets[r] = length > 0 ? part / length * integral : Real(0);
+        const double part = distance(locks_[r + 1]) - distance(locks_[r]);
+        memory_.targets[r] = length > 0 ? part / length * integral : 0.0;
       }
       begin = end;
     }
   }
-  [[nodiscard]] Real distance(const KeyLock& lock) const {
+  [[nodiscard]] double distance(const KeyLock& lock) const {
     return spec_.key_distances[static_cast<std::size_t>(lock.key)];
   }
 
   /// Without a hold the curve touches 0 at a knot: three values are 0.
-  void rest_at(const KeyLock& lock, const NearestCurve<Real>& curve, std::int32_t f) {
-    const Real begin = curve.a(lock);
-    const Real end = lock.hold > 0 ? curve.a_of_frame(lock.frame + lock.hold) : begin;
-    const Real ramp = static_cast<Real>(f) / static_cast<Real>(drawn_f_);  // one drawn span
+  void rest_at(const KeyLock& lock, const NearestCurve& curve, std::int32_t f) {
+    const double begin = curve.a(lock);
+    const double end = lock.hold > 0 ? curve.a_of_frame(lock.frame + lock.hold) : begin;
+    const double ramp = static_cast<double>(f) / static_cast<double>(drawn_f_);  // one drawn span
     const bool is_drawn = lock.ease && touches(lock.knot, f);
     // Further away than the ramp the curve is as drawn. Beside the seam of a periodic one, no place is far.
     const auto reach = static_cast<std::int32_t>(ramp) + 3;
@@ -199,10 +198,10 @@ class Adjustment {
     for (std::int32_t i = is_at_seam ? 0 : std::max<std::int32_t>(first, 0);
          i <= (is_at_seam ? f : std::min(last, f)); ++i) {
       const auto outside = [&](std::int32_t at) {
-        const auto here = static_cast<Real>(at);
+        const auto here = static_cast<double>(at);
         return std::max(begin - here, here - end) - 2;
       };
-      Real away = outside(i);
+      double away = outside(i);
       if (is_periodic_) away = std::min({away, outside(i - f), outside(i + f)});
       const auto value = static_cast<std::size_t>(i);
       if (away < 0) {
@@ -215,7 +214,7 @@ class Adjustment {
   }
 
   /// On a path without length every key is met on every frame.
-  [[nodiscard]] KeyTiming<Real> as_drawn() {
+  [[nodiscard]] KeyTiming as_drawn() {
     std::ranges::copy(spec_.control_values, memory_.adjusted.begin());
     return timing(drawn_f_, 0);
   }
@@ -226,13 +225,13 @@ class Adjustment {
       refine_control_values(memory_.drawn, static_cast<std::size_t>(drawn_f_) << i, spec_.ends);
   }
 
-  [[nodiscard]] KeyTiming<Real> timing(std::int32_t f, std::int32_t refinements) {
+  [[nodiscard]] KeyTiming timing(std::int32_t f, std::int32_t refinements) {
     const std::size_t count = static_cast<std::size_t>(f) + 1;
     restore_drawn(refinements);
-    KeyTiming<Real> result{
+    KeyTiming result{
         .control_values = memory_.adjusted.first(count), .locks = locks_, .refinements = refinements};
     for (std::size_t i = 0; i < count; ++i) {
-      const Real change = std::fabs(memory_.adjusted[i] - memory_.drawn[i]);
+      const double change = std::fabs(memory_.adjusted[i] - memory_.drawn[i]);
       if (change > result.largest_change) {
         result.largest_change = change;
         result.largest_change_at = static_cast<std::int32_t>(i);
@@ -261,8 +260,8 @@ class Adjustment {
             .needed = needed};
   }
 
-  const KeyTimingSpec<Real>& spec_;
-  const KeyTimingMemory<Real>& memory_;
+  const KeyTimingSpec& spec_;
+  const KeyTimingMemory& memory_;
   std::span<const KeyLock> locks_;
   std::int32_t drawn_f_;
   bool is_periodic_;
@@ -272,8 +271,7 @@ class Adjustment {
   std::int32_t unmet_frame_ = -1;
 };
 
-template <Precise Real>
-Status check_memory(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory) {
+Status check_memory(const KeyTimingSpec& spec, const KeyTimingMemory& memory) {
   const std::size_t rows = spec.locks.size() + 1;
   const std::size_t values = memory.adjusted.size();
   const bool enough = values >= spec.control_values.size() && memory.drawn.size() >= values &&
@@ -291,9 +289,7 @@ Status check_memory(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>
 
 }  // namespace
 
-template <Precise Real>
-Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec,
-                                        const KeyTimingMemory<Real>& memory) {
+Result<KeyTiming> adjust_to_locks(const KeyTimingSpec& spec, const KeyTimingMemory& memory) {
   if (spec.control_values.size() < 2 || spec.key_distances.empty() || spec.frames < 1) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "locked keys need a speed curve of at least two control values",
@@ -302,11 +298,7 @@ Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec,
   if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
   const Result<std::size_t> count = complete_locks(spec, memory.locks, memory.targets);
   if (!count) return count.error();
-  return Adjustment<Real>(spec, memory, *count).run();
+  return Adjustment(spec, memory, *count).run();
 }
-
-template Result<KeyTiming<double>> adjust_to_locks(const KeyTimingSpec<double>&,
-                                                   const KeyTimingMemory<double>&);
-template Result<KeyTiming<float>> adjust_to_locks(const KeyTimingSpec<float>&, const KeyTimingMemory<float>&);
 
 }  // namespace inbetween

@@ -16,35 +16,33 @@ Error wish_error(const char* what, const char* remedy, const KeyLock& lock) {
 
 /// When the drawn curve arrives at the key of every wish, as a share of the time that it moves. The keys are
 /// in order, so that one walk along the curve finds them all.
-template <Precise Real>
-void find_arrivals(const KeyTimingSpec<Real>& spec, std::span<Real> arrivals) {
+void find_arrivals(const KeyTimingSpec& spec, std::span<double> arrivals) {
   const std::size_t f = spec.control_values.size() - 1;
   const auto span_at = [&](std::size_t i) { return speed_span(spec.control_values, i, spec.ends); };
-  Real total = 0;
+  double total = 0;
   for (std::size_t i = 0; i < f; ++i) total += span_at(i).integral();
-  const Real length = spec.key_distances.back();
+  const double length = spec.key_distances.back();
   std::size_t span = 0;
-  Real before = 0;
+  double before = 0;
   for (std::size_t k = 0; k < spec.locks.size(); ++k) {
     const auto key = static_cast<std::size_t>(spec.locks[k].key);
-    const Real share = length > 0 ? spec.key_distances[key] / length
-                                  : static_cast<Real>(key) / static_cast<Real>(spec.key_distances.size());
-    const Real target = share * total;
+    const double share = length > 0
+                             ? spec.key_distances[key] / length
+                             : static_cast<double>(key) / static_cast<double>(spec.key_distances.size());
+    const double target = share * total;
     while (span + 1 < f && before + span_at(span).integral() < target) before += span_at(span++).integral();
-    const auto is_before = [&](Real t) { return before + span_at(span).integral(t) < target; };
-    const Real t = share > 0 ? bisected<Real>({0, 1}, std::numeric_limits<Real>::digits, is_before).high : 0;
-    arrivals[k] = (static_cast<Real>(span) + t) / static_cast<Real>(f);
+    const auto is_before = [&](double t) { return before + span_at(span).integral(t) < target; };
+    const double t = share > 0 ? bisected({0, 1}, std::numeric_limits<double>::digits, is_before).high : 0;
+    arrivals[k] = (static_cast<double>(span) + t) / static_cast<double>(f);
   }
 }
 
 /// The frame of the hold at `index`, which has none: where the drawn curve arrives, played between the locks
 /// with frames on either side in the frames that are no holds.
-template <Precise Real>
-std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::span<const Real> arrivals,
-                           std::size_t index) {
+std::int32_t arrival_frame(const KeyTimingSpec& spec, std::span<const double> arrivals, std::size_t index) {
   const std::span<const KeyLock> locks = spec.locks;
   std::int32_t begin_frame = 0;
-  Real begin_share = 0;
+  double begin_share = 0;
   std::int32_t moving = spec.frames;
   for (std::size_t i = index; i-- > 0;) {
     moving -= locks[i].hold;
@@ -55,7 +53,7 @@ std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::span<const Real
   }
   const std::int32_t first = spec.frames - moving + begin_frame;  // with what is held before
   moving -= begin_frame;
-  Real end_share = 1;
+  double end_share = 1;
   for (std::size_t i = index; i < locks.size(); ++i) {
     if (locks[i].frame >= 0) {
       moving -= spec.frames - locks[i].frame;
@@ -64,24 +62,22 @@ std::int32_t arrival_frame(const KeyTimingSpec<Real>& spec, std::span<const Real
     }
     moving -= locks[i].hold;
   }
-  const Real share = arrivals[index] - begin_share;
-  const Real frames = share > 0 && end_share > begin_share
-                          ? share / (end_share - begin_share) * static_cast<Real>(moving)
-                          : Real(0);
+  const double share = arrivals[index] - begin_share;
+  const double frames = share > 0 && end_share > begin_share
+                            ? share / (end_share - begin_share) * static_cast<double>(moving)
+                            : 0.0;
   // The first frame at or behind it; a frame met but for rounding is that frame.
-  const Real rounding = 64 * std::numeric_limits<Real>::epsilon() * static_cast<Real>(spec.frames);
+  const double rounding = 64 * std::numeric_limits<double>::epsilon() * static_cast<double>(spec.frames);
   const auto whole = static_cast<std::int32_t>(frames);
-  return first + (frames > static_cast<Real>(whole) + rounding ? whole + 1 : whole);
+  return first + (frames > static_cast<double>(whole) + rounding ? whole + 1 : whole);
 }
 
-template <Precise Real>
-Real distance_of(const KeyTimingSpec<Real>& spec, const KeyLock& lock) {
+double distance_of(const KeyTimingSpec& spec, const KeyLock& lock) {
   return spec.key_distances[static_cast<std::size_t>(lock.key)];
 }
 
 /// `drawn`: the frame of `lock` is where the curve arrives, and nobody's wish.
-template <Precise Real>
-Error on_one_frame(const KeyTimingSpec<Real>& spec, const KeyLock& before, const KeyLock& lock, bool drawn) {
+Error on_one_frame(const KeyTimingSpec& spec, const KeyLock& before, const KeyLock& lock, bool drawn) {
   if (!drawn) {
     return wish_error("this key is to be met on the frame of the locked key before it",
                       "give the two keys different frames", lock);
@@ -98,8 +94,7 @@ Error on_one_frame(const KeyTimingSpec<Real>& spec, const KeyLock& before, const
                     "remove one of the two, and give the other the hold or the ease", lock);
 }
 
-template <Precise Real>
-Error no_frame_behind(const KeyTimingSpec<Real>& spec, const KeyLock& lock) {
+Error no_frame_behind(const KeyTimingSpec& spec, const KeyLock& lock) {
   if (distance_of(spec, lock) == spec.key_distances.back()) {
     return wish_error("this key is in the place where the move ends",
                       "remove the keys behind it, and its ease if it has one", lock);
@@ -109,9 +104,8 @@ Error no_frame_behind(const KeyTimingSpec<Real>& spec, const KeyLock& lock) {
 
 }  // namespace
 
-template <Precise Real>
-Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<KeyLock> out,
-                                   std::span<Real> arrivals) {
+Result<std::size_t> complete_locks(const KeyTimingSpec& spec, std::span<KeyLock> out,
+                                   std::span<double> arrivals) {
   const auto last_key = static_cast<std::int32_t>(spec.key_distances.size()) - 1;
   std::int32_t holds = 0;
   for (const KeyLock& lock : spec.locks) holds += lock.hold;
@@ -138,7 +132,7 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
       return wish_error("the speed eases at an end of the move by the curve itself",
                         "remove ease, and draw 0, 0 at that end of the speed curve", lock);
     }
-    if (lock.frame < 0) lock.frame = arrival_frame<Real>(spec, arrivals, i);
+    if (lock.frame < 0) lock.frame = arrival_frame(spec, arrivals, i);
     const std::int32_t end = lock.frame + lock.hold;
     if (end > spec.frames) {
       return wish_error("this key would be left after the last frame",
@@ -155,7 +149,7 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
     }
     const std::int32_t left = before.frame + before.hold;
     if (lock.frame == left && lock.key != before.key)
-      return on_one_frame<Real>(spec, before, lock, spec.locks[i].frame < 0);
+      return on_one_frame(spec, before, lock, spec.locks[i].frame < 0);
     if (lock.frame < left) {
       return wish_error("this key is to be met before the locked key in front of it",
                         "give the keys frames in their own order", lock);
@@ -164,15 +158,10 @@ Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<Ke
   }
   if (out[count - 1].key != last_key) {
     const KeyLock& left = out[count - 1];
-    if (left.frame + left.hold >= spec.frames) return no_frame_behind<Real>(spec, left);
+    if (left.frame + left.hold >= spec.frames) return no_frame_behind(spec, left);
     out[count++] = {.key = last_key, .frame = spec.frames};
   }
   return count;
 }
-
-template Result<std::size_t> complete_locks(const KeyTimingSpec<double>&, std::span<KeyLock>,
-                                            std::span<double>);
-template Result<std::size_t> complete_locks(const KeyTimingSpec<float>&, std::span<KeyLock>,
-                                            std::span<float>);
 
 }  // namespace inbetween

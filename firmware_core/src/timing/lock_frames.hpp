@@ -14,8 +14,7 @@ namespace inbetween {
 /// either side in the frames that are no holds.
 /// Errors: those of adjust_to_locks that need no curve. `out` has room for two locks more than the wishes,
 /// `arrivals`, which serve on the way, for as many. Cost: linear in control values and wishes.
-template <Precise Real>
-Result<std::size_t> complete_locks(const KeyTimingSpec<Real>& spec, std::span<KeyLock> out,
-                                   std::span<Real> arrivals);
+Result<std::size_t> complete_locks(const KeyTimingSpec& spec, std::span<KeyLock> out,
+                                   std::span<double> arrivals);
 
 }  // namespace inbetween

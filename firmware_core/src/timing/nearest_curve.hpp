@@ -23,11 +23,10 @@ inline constexpr int max_secants = 60;
 
 /// x nearest to v with rows * x = targets and 0 <= x <= ceiling. Of a periodic curve v_0..v_f-1 are free, and
 /// v_f is v_0.
-template <Precise Real>
 class NearestCurve {
  public:
-  NearestCurve(const KeyTimingMemory<Real>& memory, std::int32_t f, CurveEnds ends,
-               std::span<const KeyLock> locks, std::int32_t frames)
+  NearestCurve(const KeyTimingMemory& memory, std::int32_t f, CurveEnds ends, std::span<const KeyLock> locks,
+               std::int32_t frames)
       : memory_(memory),
         locks_(locks),
         frames_(frames),
@@ -40,24 +39,22 @@ class NearestCurve {
         direction_(memory.multipliers.subspan(2 * rows_, rows_)),
         trial_(memory.multipliers.subspan(3 * rows_, rows_)) {}
 
-  [[nodiscard]] IntegralRow<Real> row(std::size_t r) const {
-    return {a(locks_[r]), a(locks_[r + 1]), f_, ends_};
-  }
+  [[nodiscard]] IntegralRow row(std::size_t r) const { return {a(locks_[r]), a(locks_[r + 1]), f_, ends_}; }
   /// The place of a lock on the curve.
-  [[nodiscard]] Real a(const KeyLock& lock) const {
-    return lock.knot >= 0 ? static_cast<Real>(lock.knot) : a_of_frame(lock.frame);
+  [[nodiscard]] double a(const KeyLock& lock) const {
+    return lock.knot >= 0 ? static_cast<double>(lock.knot) : a_of_frame(lock.frame);
   }
-  [[nodiscard]] Real a_of_frame(std::int32_t frame) const {
-    return static_cast<Real>(frame) * static_cast<Real>(f_) / static_cast<Real>(frames_);
+  [[nodiscard]] double a_of_frame(std::int32_t frame) const {
+    return static_cast<double>(frame) * static_cast<double>(f_) / static_cast<double>(frames_);
   }
 
   /// The index of a row that stays unmet, or -1.
   std::int32_t solve() {
-    std::ranges::fill(lambda_, Real(0));
-    Real total = 0;
+    std::ranges::fill(lambda_, 0.0);
+    double total = 0;
     for (std::size_t r = 0; r < rows_; ++r) total += memory_.targets[r];
-    const Real tolerance = 64 * std::numeric_limits<Real>::epsilon() * total;
-    const Real largest_cost = cost_bound();
+    const double tolerance = 64 * std::numeric_limits<double>::epsilon() * total;
+    const double largest_cost = cost_bound();
     if (is_met_as_drawn(tolerance)) return -1;
     if (const std::int32_t without_room = list_rows(); without_room >= 0) return without_room;
     if (const std::int32_t too_far = row_beyond_all_curves(tolerance); too_far >= 0) return too_far;
@@ -71,10 +68,10 @@ class NearestCurve {
 
  private:
   /// Whether the drawn curve is the answer already; it is then in `adjusted`.
-  bool is_met_as_drawn(Real tolerance) {
-    const std::span<Real> x = memory_.adjusted.first(count_);
+  bool is_met_as_drawn(double tolerance) {
+    const std::span<double> x = memory_.adjusted.first(count_);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      x[i] = std::clamp(memory_.drawn[i], Real(0), memory_.ceiling[i]);
+      x[i] = std::clamp(memory_.drawn[i], 0.0, memory_.ceiling[i]);
     }
     if (ends_ == CurveEnds::periodic) memory_.adjusted[count_] = x.front();
     for (std::size_t r = 0; r < rows_; ++r) {
@@ -84,23 +81,23 @@ class NearestCurve {
   }
 
   /// x(lambda) into `adjusted`, the residual, and the value of the dual function.
-  Real evaluate(std::span<const Real> lambda) {
-    const std::span<Real> x = memory_.adjusted.first(count_);
+  double evaluate(std::span<const double> lambda) {
+    const std::span<double> x = memory_.adjusted.first(count_);
     std::ranges::copy(memory_.drawn.first(count_), x.begin());
     for (std::size_t r = 0; r < rows_; ++r) {
       for_each_value(r,
-                     [&](std::size_t i, Real weight) { x[i] += lambda[r] * memory_.mobility[i] * weight; });
+                     [&](std::size_t i, double weight) { x[i] += lambda[r] * memory_.mobility[i] * weight; });
     }
-    Real dual = 0;
+    double dual = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      x[i] = std::clamp(x[i], Real(0), memory_.ceiling[i]);
-      const Real change = x[i] - memory_.drawn[i];
+      x[i] = std::clamp(x[i], 0.0, memory_.ceiling[i]);
+      const double change = x[i] - memory_.drawn[i];
       if (memory_.mobility[i] > 0) dual += change * change / (2 * memory_.mobility[i]);
     }
     if (ends_ == CurveEnds::periodic) memory_.adjusted[count_] = x.front();
     for (std::size_t r = 0; r < rows_; ++r) {
-      Real integral = 0;
-      for_each_value(r, [&](std::size_t i, Real weight) { integral += weight * x[i]; });
+      double integral = 0;
+      for_each_value(r, [&](std::size_t i, double weight) { integral += weight * x[i]; });
       residual_[r] = integral - memory_.targets[r];
       dual -= lambda[r] * residual_[r];
     }
@@ -108,23 +105,23 @@ class NearestCurve {
   }
   /// No curve changes the drawn one by more than this, which is why no dual value is larger if there is a
   /// curve (weak duality).
-  [[nodiscard]] Real cost_bound() const {
-    Real bound = 0;
+  [[nodiscard]] double cost_bound() const {
+    double bound = 0;
     for (std::size_t i = 0; i < count_; ++i) {
       if (!(memory_.mobility[i] > 0)) continue;
-      const Real change = std::max(memory_.drawn[i], memory_.ceiling[i] - memory_.drawn[i]);
+      const double change = std::max(memory_.drawn[i], memory_.ceiling[i] - memory_.drawn[i]);
       bound += change * change / (2 * memory_.mobility[i]);
     }
-    return bound * (1 + 16 * std::numeric_limits<Real>::epsilon()) + std::numeric_limits<Real>::min();
+    return bound * (1 + 16 * std::numeric_limits<double>::epsilon()) + std::numeric_limits<double>::min();
   }
 
   /// How fast the dual rises along the direction, at the multipliers evaluated last.
-  [[nodiscard]] Real slope() const {
-    Real sum = 0;
+  [[nodiscard]] double slope() const {
+    double sum = 0;
     for (std::size_t r = 0; r < rows_; ++r) sum -= residual_[r] * direction_[r];
     return sum;
   }
-  Real evaluate_at(Real step) {
+  double evaluate_at(double step) {
     for (std::size_t r = 0; r < rows_; ++r) trial_[r] = lambda_[r] + step * direction_[r];
     return evaluate(trial_);
   }
@@ -132,15 +129,15 @@ class NearestCurve {
   /// Goes on along the direction until the dual rises no more; its slope falls there, piece by piece linear.
   /// Where few values are free a Newton step is far from there, which is why the zero of the slope is
   /// searched for. False if there is no curve.
-  bool climb(Real largest_cost) {
-    const Real unmet = worst_residual();
-    const Real first_slope = slope();
+  bool climb(double largest_cost) {
+    const double unmet = worst_residual();
+    const double first_slope = slope();
     if (!(first_slope > 0)) return false;  // rounding: nothing is gained any more
-    Real low = 0;
-    Real low_slope = first_slope;
-    Real high = 1;
+    double low = 0;
+    double low_slope = first_slope;
+    double high = 1;
     if (evaluate_at(high) > largest_cost) return false;
-    Real high_slope = slope();
+    double high_slope = slope();
     for (int i = 0; i < max_doublings && high_slope > first_slope / 2; ++i) {
       low = high;
       low_slope = high_slope;
@@ -148,12 +145,12 @@ class NearestCurve {
       if (evaluate_at(high) > largest_cost) return false;
       high_slope = slope();
     }
-    Real step = high;
-    Real step_slope = high_slope;
+    double step = high;
+    double step_slope = high_slope;
     for (int i = 0; i < max_secants; ++i) {
       if (std::fabs(step_slope) <= first_slope / 16 || worst_residual() <= unmet / 16) break;
-      const Real secant = low + (high - low) * (low_slope / (low_slope - high_slope));
-      const Real middle = low + (high - low) / 2;
+      const double secant = low + (high - low) * (low_slope / (low_slope - high_slope));
+      const double middle = low + (high - low) / 2;
       step = i % 3 == 2 || !(secant > low && secant < high) ? middle : secant;
       static_cast<void>(evaluate_at(step));
       step_slope = slope();
@@ -164,16 +161,16 @@ class NearestCurve {
     return true;
   }
 
-  [[nodiscard]] Real worst_residual() const {
-    Real worst = 0;
-    for (const Real r : residual_) {
+  [[nodiscard]] double worst_residual() const {
+    double worst = 0;
+    for (const double r : residual_) {
       if (!(std::fabs(r) <= worst)) worst = std::fabs(r);
     }
     return worst;
   }
   [[nodiscard]] std::int32_t worst_row() const {
     const auto worst =
-        std::ranges::max_element(residual_, {}, [](Real residual) { return std::fabs(residual); });
+        std::ranges::max_element(residual_, {}, [](double residual) { return std::fabs(residual); });
     return static_cast<std::int32_t>(worst - residual_.begin());
   }
 
@@ -184,7 +181,7 @@ class NearestCurve {
     std::size_t weights = 0;
     std::size_t entries = 0;
     for (std::size_t r = 0; r < rows_; ++r) {
-      const IntegralRow<Real> integral = row(r);
+      const IntegralRow integral = row(r);
       LockRow& here = memory_.rows[r];
       here = {.first = integral.first(),
               .count = std::max<std::int32_t>(integral.last() - integral.first() + 1, 0),
@@ -206,12 +203,12 @@ class NearestCurve {
     return -1;
   }
   /// A row that not even the largest values meet, or -1: a proof that costs nothing.
-  [[nodiscard]] std::int32_t row_beyond_all_curves(Real tolerance) const {
+  [[nodiscard]] std::int32_t row_beyond_all_curves(double tolerance) const {
     for (std::size_t r = 0; r < rows_; ++r) {
-      Real most = 0;
-      for_each_value(r, [&](std::size_t i, Real weight) {
-        const Real largest = memory_.mobility[i] > 0 ? memory_.ceiling[i] : memory_.drawn[i];
-        most += std::max(weight, Real(0)) * largest;
+      double most = 0;
+      for_each_value(r, [&](std::size_t i, double weight) {
+        const double largest = memory_.mobility[i] > 0 ? memory_.ceiling[i] : memory_.drawn[i];
+        most += std::max(weight, 0.0) * largest;
       });
       if (most < memory_.targets[r] - tolerance) return static_cast<std::int32_t>(r);
     }
@@ -238,22 +235,22 @@ class NearestCurve {
     return static_cast<std::size_t>(ends_ == CurveEnds::periodic ? (i + 2 * f_) % f_ : i);
   }
   /// The weight of a control value in a row, 0 where it is not in it.
-  [[nodiscard]] Real weight(const LockRow& row, std::int32_t i) const {
+  [[nodiscard]] double weight(const LockRow& row, std::int32_t i) const {
     std::int32_t k = i - row.first;
     if (ends_ == CurveEnds::periodic) k = (k % f_ + f_) % f_;
     const std::int32_t at = row.weights + k;
-    return k >= 0 && k < row.count ? memory_.weights[static_cast<std::size_t>(at)] : Real(0);
+    return k >= 0 && k < row.count ? memory_.weights[static_cast<std::size_t>(at)] : 0.0;
   }
 
   /// The sum over the free values of what two rows have in common, of which `other` is not behind.
-  [[nodiscard]] Real product(const LockRow& one, const LockRow& other) const {
+  [[nodiscard]] double product(const LockRow& one, const LockRow& other) const {
     const bool shares_end = ends_ == CurveEnds::periodic || &one == &other;
     const std::int32_t end = one.first + one.count;
     const std::int32_t last = shares_end ? end : std::min(end, other.first + other.count);
-    Real sum = 0;
+    double sum = 0;
     for (std::int32_t i = one.first; i < last; ++i) {
       const std::size_t here = index(i);
-      const Real x = memory_.adjusted[here];
+      const double x = memory_.adjusted[here];
       const bool is_free = x > 0 && x < memory_.ceiling[here];
       if (is_free) sum += memory_.mobility[here] * weight(one, i) * weight(other, i);
     }
@@ -266,19 +263,19 @@ class NearestCurve {
   void newton_direction() {
     const std::size_t n = rows_;
     const auto beside = [&](std::size_t r) { return static_cast<std::size_t>(memory_.rows[r].beside); };
-    const auto entry = [&](std::size_t r, std::size_t c) -> Real& {
+    const auto entry = [&](std::size_t r, std::size_t c) -> double& {
       return memory_.matrix[static_cast<std::size_t>(memory_.rows[r].entries) + c - beside(r)];
     };
     for (std::size_t r = 0; r < n; ++r) {
       const std::size_t first = beside(r);
       for (std::size_t c = first; c <= r; ++c) entry(r, c) = product(memory_.rows[r], memory_.rows[c]);
       // Where too few values are free the matrix is singular; the shift keeps the direction an ascent.
-      entry(r, r) += Real(1e-12) + 16 * std::numeric_limits<Real>::epsilon() * entry(r, r);
+      entry(r, r) += 1e-12 + 16 * std::numeric_limits<double>::epsilon() * entry(r, r);
       direction_[r] = -residual_[r];
       for (std::size_t c = first; c <= r; ++c) {
-        Real sum = entry(r, c);
+        double sum = entry(r, c);
         for (std::size_t k = std::max(first, beside(c)); k < c; ++k) sum -= entry(r, k) * entry(c, k);
-        entry(r, c) = r == c ? std::sqrt(std::max(sum, Real(1e-14))) : sum / entry(c, c);
+        entry(r, c) = r == c ? std::sqrt(std::max(sum, 1e-14)) : sum / entry(c, c);
       }
       for (std::size_t k = first; k < r; ++k) direction_[r] -= entry(r, k) * direction_[k];
       direction_[r] /= entry(r, r);
@@ -289,14 +286,14 @@ class NearestCurve {
     }
   }
 
-  const KeyTimingMemory<Real>& memory_;
+  const KeyTimingMemory& memory_;
   std::span<const KeyLock> locks_;
   std::int32_t frames_;
   std::int32_t f_;
   CurveEnds ends_;
   std::size_t count_;
   std::size_t rows_;
-  std::span<Real> lambda_, residual_, direction_, trial_;
+  std::span<double> lambda_, residual_, direction_, trial_;
 };
 
 }  // namespace inbetween

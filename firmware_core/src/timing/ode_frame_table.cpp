@@ -17,48 +17,47 @@ inline constexpr double worst_speed_error_allowed = 0.02;
 inline constexpr std::int32_t max_integrations = 100;
 
 /// One integration of the whole move after another.
-template <Precise Real>
 class Integration {
  public:
-  Integration(const Track<Real>& track, std::int32_t substeps, std::span<const OdeSegment<Real>> segments)
+  Integration(const Track& track, std::int32_t substeps, std::span<const OdeSegment> segments)
       : track_(track),
         segments_(segments),
-        end_(static_cast<Real>(track.path().segment_count())),
-        limit_(end_ + static_cast<Real>(slack)),
+        end_(static_cast<double>(track.path().segment_count())),
+        limit_(end_ + static_cast<double>(slack)),
         substeps_(substeps) {}
 
   /// s(f) - n for a trial K; a trial that runs beyond the slack stops there.
-  Real overshoot(Real constant) {
+  double overshoot(double constant) {
     ++count_;
-    return run(constant, [](std::int32_t, Real) {}) - end_;
+    return run(constant, [](std::int32_t, double) {}) - end_;
   }
   /// s at every frame.
   template <class Record>
-  Real run(Real constant, Record record) {
+  double run(double constant, Record record) {
     const std::int32_t f = track_.profile().span_count();
     const std::int64_t steps_per_span_line = static_cast<std::int64_t>(track_.frames()) * substeps_;
-    const Real h = static_cast<Real>(f) / static_cast<Real>(steps_per_span_line);
-    const Real k_h = constant * h;
-    const Real half = h / 2;
-    Real s = 0;
+    const double h = static_cast<double>(f) / static_cast<double>(steps_per_span_line);
+    const double k_h = constant * h;
+    const double half = h / 2;
+    double s = 0;
     std::int64_t phase = 0;  // a = (span * N k + phase) / (N k), in steps of f
     std::int32_t span = 0;
-    Real phi = track_.profile().span(0).value(0);
+    double phi = track_.profile().span(0).value(0);
     for (std::int32_t frame = 1; frame <= track_.frames(); ++frame) {
       for (std::int32_t i = 0; i < substeps_; ++i) {
-        const Real t = static_cast<Real>(phase) / static_cast<Real>(steps_per_span_line);
+        const double t = static_cast<double>(phase) / static_cast<double>(steps_per_span_line);
         phase += f;
-        const Real phi_middle = phi_at(span, t + half);
+        const double phi_middle = phi_at(span, t + half);
         while (phase >= steps_per_span_line && span + 1 < f) {
           phase -= steps_per_span_line;
           ++span;
         }
-        const Real phi_end = track_.profile().span(span).value(static_cast<Real>(phase) /
-                                                               static_cast<Real>(steps_per_span_line));
-        const Real s1 = k_h * phi * slowness(s);
-        const Real s2 = k_h * phi_middle * slowness(s + s1 / 2);
-        const Real s3 = k_h * phi_middle * slowness(s + s2 / 2);
-        const Real s4 = k_h * phi_end * slowness(s + s3);
+        const double phi_end = track_.profile().span(span).value(static_cast<double>(phase) /
+                                                                 static_cast<double>(steps_per_span_line));
+        const double s1 = k_h * phi * slowness(s);
+        const double s2 = k_h * phi_middle * slowness(s + s1 / 2);
+        const double s3 = k_h * phi_middle * slowness(s + s2 / 2);
+        const double s4 = k_h * phi_end * slowness(s + s3);
         s += (s1 + 2 * (s2 + s3) + s4) / 6;
         phi = phi_end;
       }
@@ -70,7 +69,7 @@ class Integration {
   [[nodiscard]] std::int32_t count() const { return count_; }
 
  private:
-  [[nodiscard]] Real phi_at(std::int32_t span, Real t) const {
+  [[nodiscard]] double phi_at(std::int32_t span, double t) const {
     while (t >= 1 && span + 1 < track_.profile().span_count()) {
       t -= 1;
       ++span;
@@ -78,27 +77,26 @@ class Integration {
     return track_.profile().span(span).value(t);
   }
   /// 1 / |P'(s)|; beyond the end that of the last tangent.
-  [[nodiscard]] Real slowness(Real s) const {
+  [[nodiscard]] double slowness(double s) const {
     // Not std::clamp: a NaN must not become an index. It stays in t, and so in the result.
-    const auto index = static_cast<std::size_t>(s > 0 ? std::min(s, end_) : Real(0));
-    const OdeSegment<Real>& g = segments_[index];
-    const Real t = s - static_cast<Real>(index);
+    const auto index = static_cast<std::size_t>(s > 0 ? std::min(s, end_) : 0.0);
+    const OdeSegment& g = segments_[index];
+    const double t = s - static_cast<double>(index);
     return g.scale / std::sqrt(g.q0 + t * (g.q1 + t * (g.q2 + t * (g.q3 + t * g.q4))));
   }
 
-  const Track<Real>& track_;
-  std::span<const OdeSegment<Real>> segments_;
-  Real end_;
-  Real limit_;
+  const Track& track_;
+  std::span<const OdeSegment> segments_;
+  double end_;
+  double limit_;
   std::int32_t substeps_;
   std::int32_t count_ = 0;
 };
 
 /// The last entry is the extension along the last tangent: constant speed.
-template <Precise Real>
-Status prepare(const Path<Real>& path, std::span<OdeSegment<Real>> segments) {
+Status prepare(const Path& path, std::span<OdeSegment> segments) {
   for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
-    const SegmentSpeed<Real> speed(path.segment(i), path.weights());
+    const SegmentSpeed speed(path.segment(i), path.weights());
     if (speed.is_still()) {
       return Error{
           .code = ErrorCode::singular,
@@ -107,10 +105,10 @@ Status prepare(const Path<Real>& path, std::span<OdeSegment<Real>> segments) {
           .key = i};
     }
     const auto q = speed.about(0, true).q;
-    const Real scale = std::ldexp(Real(1), -speed.exponent());
+    const double scale = std::ldexp(1.0, -speed.exponent());
     const bool extension = i == path.segment_count();
-    segments[static_cast<std::size_t>(i)] = extension ? OdeSegment<Real>{q[0], 0, 0, 0, 0, scale}
-                                                      : OdeSegment<Real>{q[0], q[1], q[2], q[3], q[4], scale};
+    segments[static_cast<std::size_t>(i)] =
+        extension ? OdeSegment{q[0], 0, 0, 0, 0, scale} : OdeSegment{q[0], q[1], q[2], q[3], q[4], scale};
     if (!(q[0] > 0)) {
       return Error{.code = ErrorCode::singular,
                    .what = "the path has no speed at this key, and the Runge-Kutta solver divides by it",
@@ -122,14 +120,13 @@ Status prepare(const Path<Real>& path, std::span<OdeSegment<Real>> segments) {
 }
 
 /// The sum of the chords in weighted space over Phi(f): K of the polygon, below that of the path.
-template <Precise Real>
-Real polygon_constant(const Track<Real>& track) {
-  const Path<Real>& path = track.path();
-  Real sum = 0;
+double polygon_constant(const Track& track) {
+  const Path& path = track.path();
+  double sum = 0;
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
-    Real square = 0;
+    double square = 0;
     for (std::size_t d = 0; d < path.weights().size(); ++d) {
-      const Real chord = path.weights()[d] * (path.segment(i + 1)[d].c0 - path.segment(i)[d].c0);
+      const double chord = path.weights()[d] * (path.segment(i + 1)[d].c0 - path.segment(i)[d].c0);
       square += chord * chord;
     }
     sum += std::sqrt(square);
@@ -138,19 +135,17 @@ Real polygon_constant(const Track<Real>& track) {
 }
 
 /// Two values of K whose moves end before and behind the end of the path.
-template <Precise Real>
 struct ConstantBracket {
-  Sample<Real> low;
-  Sample<Real> high;
+  Sample low;
+  Sample high;
 };
 
-template <Precise Real>
-Result<ConstantBracket<Real>> bracket(Integration<Real>& integration, Real guess) {
-  Sample<Real> low{0, 0};
-  Sample<Real> trial{guess, integration.overshoot(guess)};
-  Real factor = Real(1.125);
+Result<ConstantBracket> bracket(Integration& integration, double guess) {
+  Sample low{0, 0};
+  Sample trial{guess, integration.overshoot(guess)};
+  double factor = 1.125;
   while (integration.count() < max_integrations && std::isfinite(trial.y)) {
-    if (trial.y >= 0 && low.x > 0) return ConstantBracket<Real>{low, trial};
+    if (trial.y >= 0 && low.x > 0) return ConstantBracket{low, trial};
     if (trial.y < 0) {
       low = trial;
       trial.x *= factor;
@@ -166,8 +161,7 @@ Result<ConstantBracket<Real>> bracket(Integration<Real>& integration, Real guess
       .remedy = "use the closed-form solver"};
 }
 
-template <Precise Real>
-Status check_request(const Track<Real>& track, const OdeOptions<Real>& options, std::size_t segment_memory,
+Status check_request(const Track& track, const OdeOptions& options, std::size_t segment_memory,
                      std::size_t point_memory) {
   const std::size_t count = static_cast<std::size_t>(track.frames()) + 1;
   if (options.substeps < 1 || options.substeps > 10'000) {
@@ -199,15 +193,14 @@ Status check_request(const Track<Real>& track, const OdeOptions<Real>& options, 
 }
 
 /// Refuses a table that is too far off the drawn speed.
-template <Precise Real>
-Status judge(const SpeedDeviation<Real>& deviation) {
-  if (!(deviation.relative <= static_cast<Real>(worst_speed_error_allowed))) {
+Status judge(const SpeedDeviation& deviation) {
+  if (!(deviation.relative <= static_cast<double>(worst_speed_error_allowed))) {
     return Error{.code = ErrorCode::accuracy,
                  .what = "the Runge-Kutta solver is more than 2 % off the drawn speed",
                  .remedy = "use more steps a frame, or the closed-form solver",
                  .frame = deviation.frame};
   }
-  if (!(deviation.absolute <= static_cast<Real>(end_tolerance))) {
+  if (!(deviation.absolute <= static_cast<double>(end_tolerance))) {
     return Error{.code = ErrorCode::accuracy,
                  .what = "the Runge-Kutta solver moves where the drawn speed is next to nothing",
                  .remedy = "use more steps a frame, or the closed-form solver",
@@ -218,38 +211,35 @@ Status judge(const SpeedDeviation<Real>& deviation) {
 
 }  // namespace
 
-template <Precise Real>
-Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOptions<Real>& options,
-                                           std::span<OdeSegment<Real>> segments,
-                                           std::span<PathPoint<Real>> memory) {
-  const Path<Real>& path = track.path();
+Result<FrameTable> runge_kutta_table(const Track& track, const OdeOptions& options,
+                                     std::span<OdeSegment> segments, std::span<PathPoint> memory) {
+  const Path& path = track.path();
   const std::size_t count = static_cast<std::size_t>(track.frames()) + 1;
   if (const Status valid = check_request(track, options, segments.size(), memory.size()); !valid) {
     return valid.error();
   }
-  Provenance<Real> provenance{.solver = Solver::runge_kutta, .substeps = options.substeps};
+  Provenance provenance{.solver = Solver::runge_kutta, .substeps = options.substeps};
   if (track.arc_length().total() == 0) {
-    std::ranges::fill(memory.first(count), PathPoint<Real>{0, 0});
+    std::ranges::fill(memory.first(count), PathPoint{0, 0});
     memory[count - 1] = {path.segment_count(), 0};
-    return FrameTable<Real>(memory.first(count), provenance);
+    return FrameTable(memory.first(count), provenance);
   }
   if (const Status ready = prepare(path, segments); !ready) return ready.error();
 
-  Integration<Real> integration(track, options.substeps, segments);
-  const Result<ConstantBracket<Real>> bracketed = bracket(integration, polygon_constant(track));
+  Integration integration(track, options.substeps, segments);
+  const Result<ConstantBracket> bracketed = bracket(integration, polygon_constant(track));
   if (!bracketed) return bracketed.error();
-  const Sample<Real> best =
-      zeroin<Real>([&](Real k) { return integration.overshoot(k); }, bracketed->low, bracketed->high,
-                   options.tolerance * bracketed->high.x, max_integrations);
+  const Sample best = zeroin([&](double k) { return integration.overshoot(k); }, bracketed->low,
+                             bracketed->high, options.tolerance * bracketed->high.x, max_integrations);
   provenance.constant = best.x;
 
-  const Real end = static_cast<Real>(path.segment_count());
-  const Real tolerance = std::max(Real(end_tolerance), 100 * options.tolerance * end);
+  const double end = static_cast<double>(path.segment_count());
+  const double tolerance = std::max(double(end_tolerance), 100 * options.tolerance * end);
   memory[0] = {0, 0};
-  const Real reached = integration.run(best.x, [&](std::int32_t frame, Real s) {
+  const double reached = integration.run(best.x, [&](std::int32_t frame, double s) {
     const auto segment = static_cast<std::int32_t>(std::min(s, end));
     const bool at_end = segment == path.segment_count();
-    memory[static_cast<std::size_t>(frame)] = {segment, at_end ? Real(0) : s - static_cast<Real>(segment)};
+    memory[static_cast<std::size_t>(frame)] = {segment, at_end ? 0.0 : s - static_cast<double>(segment)};
   });
   provenance.integrations = integration.count() + 1;
   if (!(std::fabs(reached - end) <= tolerance)) {
@@ -258,23 +248,16 @@ Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOp
                  .remedy = "use more steps a frame, or the closed-form solver"};
   }
   // A dwell at the end stands where the last step ended, and that is the end.
-  const PathPoint<Real> last = memory[count - 1];
+  const PathPoint last = memory[count - 1];
   for (std::size_t i = count; i-- > 0 && memory[i] == last;) memory[i] = {path.segment_count(), 0};
 
-  const SpeedDeviation<Real> deviation =
-      measure_speed_deviation(track, std::span<const PathPoint<Real>>(memory.first(count)));
+  const SpeedDeviation deviation =
+      measure_speed_deviation(track, std::span<const PathPoint>(memory.first(count)));
   provenance.speed_error = deviation.relative;
   provenance.speed_error_frame = deviation.frame;
   provenance.short_step_error = deviation.absolute;
   if (const Status good = judge(deviation); !good) return good.error();
-  return FrameTable<Real>(memory.first(count), provenance);
+  return FrameTable(memory.first(count), provenance);
 }
-
-template Result<FrameTable<double>> runge_kutta_table(const Track<double>&, const OdeOptions<double>&,
-                                                      std::span<OdeSegment<double>>,
-                                                      std::span<PathPoint<double>>);
-template Result<FrameTable<float>> runge_kutta_table(const Track<float>&, const OdeOptions<float>&,
-                                                     std::span<OdeSegment<float>>,
-                                                     std::span<PathPoint<float>>);
 
 }  // namespace inbetween

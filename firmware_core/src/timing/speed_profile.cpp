@@ -4,8 +4,7 @@
 
 namespace inbetween {
 
-template <Precise Real>
-Status check_control_value(Real value, std::int32_t index) {
+Status check_control_value(double value, std::int32_t index) {
   if (!std::isfinite(value)) {
     return Error{.code = ErrorCode::not_finite,
                  .what = "a control value of the speed curve is not a finite number",
@@ -22,12 +21,8 @@ Status check_control_value(Real value, std::int32_t index) {
   return Done{};
 }
 
-template Status check_control_value(double, std::int32_t);
-template Status check_control_value(float, std::int32_t);
-
-template <Precise Real>
-Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> control_values,
-                                                    const SpeedProfileMemory<Real>& memory, CurveEnds ends) {
+Result<SpeedProfile> SpeedProfile::make(std::span<const double> control_values,
+                                        const SpeedProfileMemory& memory, CurveEnds ends) {
   if (control_values.empty()) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "the speed curve has no control values",
@@ -50,12 +45,12 @@ Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> contro
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(f) + 1};
   }
-  const std::array<Real, 2> constant{control_values.front(), control_values.front()};
+  const std::array<double, 2> constant{control_values.front(), control_values.front()};
   if (control_values.size() == 1) control_values = constant;
-  TwoSum<Real> integral;
+  TwoSum integral;
   memory.integrals[0] = integral;
   for (std::size_t i = 0; i < f; ++i) {
-    SpeedSpan<Real>& span = memory.spans[i];
+    SpeedSpan& span = memory.spans[i];
     span = speed_span(control_values, i, ends);
     integral.add(span.integral());
     integral.renormalize();
@@ -67,8 +62,5 @@ Result<SpeedProfile<Real>> SpeedProfile<Real>::make(std::span<const Real> contro
   profile.integrals_ = memory.integrals.first(f + 1);
   return profile;
 }
-
-template class SpeedProfile<double>;
-template class SpeedProfile<float>;
 
 }  // namespace inbetween

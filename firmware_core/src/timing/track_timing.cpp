@@ -9,8 +9,7 @@
 namespace inbetween {
 namespace {
 
-template <Precise Real>
-Status check_time_line(const SpeedProfile<Real>& profile, std::int32_t frames, FrameRate fps) {
+Status check_time_line(const SpeedProfile& profile, std::int32_t frames, FrameRate fps) {
   if (frames < 1 || frames > max_frames) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "the number of frames is not between 1 and 1000000",
@@ -30,20 +29,19 @@ Status check_time_line(const SpeedProfile<Real>& profile, std::int32_t frames, F
 }
 
 /// K as a rounded value and the rest, so that K Phi(f) is the length to about twice the precision.
-template <Precise Real>
-TwoSum<Real> solve_constant(const TwoSum<Real>& length, const TwoSum<Real>& integral) {
-  TwoSum<Real> constant{length.high / integral.high, 0};
-  const TwoSum<Real> product = two_product(constant.high, integral.high);
-  const Real rest = (length.high - product.high) + (length.low - product.low - constant.high * integral.low);
+TwoSum solve_constant(const TwoSum& length, const TwoSum& integral) {
+  TwoSum constant{length.high / integral.high, 0};
+  const TwoSum product = two_product(constant.high, integral.high);
+  const double rest =
+      (length.high - product.high) + (length.low - product.low - constant.high * integral.low);
   constant.low = rest / integral.high;
   return constant;
 }
 
 /// `constant` times the integral of a span of the curve, in powers of t.
-template <Precise Real>
-std::array<Real, 4> way_over(const SpeedSpan<Real>& span, Real constant) {
-  const Real rise = span.b1 - span.b0;
-  return {constant * span.b0, constant * (Real(1.5) * rise), constant * ((span.b2 - span.b1) - rise),
+std::array<double, 4> way_over(const SpeedSpan& span, double constant) {
+  const double rise = span.b1 - span.b0;
+  return {constant * span.b0, constant * (1.5 * rise), constant * ((span.b2 - span.b1) - rise),
           constant * (((span.b3 - span.b0) - 3 * (span.b2 - span.b1)) / 4)};
 }
 
@@ -52,38 +50,37 @@ Error frame_error(const char* what, const char* remedy, std::int32_t key, std::i
 }
 
 /// Slopes of the monotone spline through (key frame, s), in s per frame.
-template <Precise Real>
 class MonotoneSlopes {
  public:
   explicit MonotoneSlopes(std::span<const std::int32_t> frames) : frames_(frames) {}
 
-  [[nodiscard]] Real at(std::size_t key) const {
+  [[nodiscard]] double at(std::size_t key) const {
     const std::size_t last = frames_.size() - 1;
     if (last == 1) return secant(0);
     if (key == 0) return end_slope(interval(0), interval(1));
     if (key == last) return end_slope(interval(last - 1), interval(last - 2));
     // Fritsch and Butland 1984, weighted harmonic mean; both secants are positive.
-    const Real before = interval(key - 1);
-    const Real after = interval(key);
-    const Real w1 = 2 * after + before;
-    const Real w2 = after + 2 * before;
+    const double before = interval(key - 1);
+    const double after = interval(key);
+    const double w1 = 2 * after + before;
+    const double w2 = after + 2 * before;
     return (w1 + w2) / (w1 * before + w2 * after);  // 1 / secant is the interval
   }
 
  private:
-  [[nodiscard]] Real interval(std::size_t i) const { return static_cast<Real>(frames_[i + 1] - frames_[i]); }
-  [[nodiscard]] Real secant(std::size_t i) const { return 1 / interval(i); }
+  [[nodiscard]] double interval(std::size_t i) const {
+    return static_cast<double>(frames_[i + 1] - frames_[i]);
+  }
+  [[nodiscard]] double secant(std::size_t i) const { return 1 / interval(i); }
   /// The parabola through three keys, kept between 0 and three times the secant: monotone.
-  static Real end_slope(Real near, Real next) {
-    const Real slope = ((2 * near + next) / near - near / next) / (near + next);
-    return std::clamp(slope, Real(0), 3 / near);
+  static double end_slope(double near, double next) {
+    const double slope = ((2 * near + next) / near - near / next) / (near + next);
+    return std::clamp(slope, 0.0, 3 / near);
   }
   std::span<const std::int32_t> frames_;
 };
 
-template <Precise Real>
-Status check_key_frames(const Path<Real>& path, std::span<const std::int32_t> key_frames,
-                        std::int32_t frames) {
+Status check_key_frames(const Path& path, std::span<const std::int32_t> key_frames, std::int32_t frames) {
   const std::size_t last = static_cast<std::size_t>(path.key_count()) - (path.closed() ? 0 : 1);
   if (key_frames.size() != last + 1 || path.segment_count() == 0) {
     return Error{.code = ErrorCode::wrong_count,
@@ -108,8 +105,7 @@ Status check_key_frames(const Path<Real>& path, std::span<const std::int32_t> ke
 }
 
 /// Curves need a path over frames, and nothing else can use one. A monotone spline is one of whole keys.
-template <Precise Real>
-Status check_knots(const Path<Real>& path, Kinetic kinetic) {
+Status check_knots(const Path& path, Kinetic kinetic) {
   const bool has_parts = !path.over_frames() && !path.knots().empty();
   if (path.over_frames() == (kinetic == Kinetic::curves) && !(has_parts && kinetic == Kinetic::monotone)) {
     return Done{};
@@ -121,10 +117,8 @@ Status check_knots(const Path<Real>& path, Kinetic kinetic) {
 
 }  // namespace
 
-template <Precise Real>
-Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Real>& arc_length,
-                                      const SpeedProfile<Real>& profile, std::int32_t frames, FrameRate fps,
-                                      const TrackMemory<Real>& memory) {
+Result<Track> Track::make(const Path& path, const ArcLength& arc_length, const SpeedProfile& profile,
+                          std::int32_t frames, FrameRate fps, const TrackMemory& memory) {
   if (const Status valid = check_time_line(profile, frames, fps); !valid) return valid.error();
   const auto f = static_cast<std::size_t>(profile.span_count());
   if (memory.span_distances.size() < f + 1) {
@@ -133,24 +127,24 @@ Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Re
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(f) + 1};
   }
-  const TwoSum<Real> length = arc_length.segment_begin(path.segment_count());
-  if (profile.total_integral() < Precision<Real>::smallest_square_root && length.high > 0) {
+  const TwoSum length = arc_length.segment_begin(path.segment_count());
+  if (profile.total_integral() < Precision::smallest_square_root && length.high > 0) {
     const bool zero = profile.total_integral() <= 0;
     return Error{.code = ErrorCode::no_distance,
                  .what = zero ? "the speed curve is zero everywhere, but the path has length"
                               : "the speed curve is too near zero everywhere for a path that has length",
                  .remedy = "raise a control value above 0"};
   }
-  TwoSum<Real> constant;
+  TwoSum constant;
   if (length.high > 0) constant = solve_constant(length, profile.integral_before(profile.span_count()));
   for (std::size_t i = 0; i <= f; ++i) {
-    const TwoSum<Real>& integral = profile.integral_before(static_cast<std::int32_t>(i));
-    TwoSum<Real> distance = two_product(constant.high, integral.high);
+    const TwoSum& integral = profile.integral_before(static_cast<std::int32_t>(i));
+    TwoSum distance = two_product(constant.high, integral.high);
     distance.low += constant.high * integral.low + constant.low * integral.high;
     distance.renormalize();
     // In a dwell at the end the move is at the end, to the last bit.
     const bool arrived = integral == profile.integral_before(profile.span_count());
-    SpanDistance<Real>& span = memory.span_distances[i];
+    SpanDistance& span = memory.span_distances[i];
     span.begin = arrived ? length : distance;
     if (i < f) span.c = way_over(profile.span(static_cast<std::int32_t>(i)), constant.high);
   }
@@ -160,11 +154,9 @@ Result<Track<Real>> Track<Real>::make(const Path<Real>& path, const ArcLength<Re
   return track;
 }
 
-template <Precise Real>
-Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const ArcLength<Real>& arc_length,
-                                                  const SpeedProfile<Real>& profile, std::int32_t frames,
-                                                  FrameRate fps, std::span<const BreakKey> breaks,
-                                                  const TrackMemory<Real>& memory) {
+Result<Track> Track::make_with_breaks(const Path& path, const ArcLength& arc_length,
+                                      const SpeedProfile& profile, std::int32_t frames, FrameRate fps,
+                                      std::span<const BreakKey> breaks, const TrackMemory& memory) {
   Result<Track> made = make(path, arc_length, profile, frames, fps, memory);
   if (!made || breaks.empty()) return made;
   if (memory.portions.size() < breaks.size() + 1) {
@@ -175,7 +167,7 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
   }
   Track& track = *made;
   BreakKey begin;
-  TwoSum<Real> integral_before;
+  TwoSum integral_before;
   for (std::size_t i = 0; i <= breaks.size(); ++i) {
     const bool last = i == breaks.size();
     const BreakKey end = last ? BreakKey{path.segment_count(), frames} : breaks[i];
@@ -185,15 +177,15 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
                          "give every break a key and a frame behind those of the one before", end.key,
                          end.frame);
     }
-    TwoSum<Real> integral = profile.integral_before(profile.span_count());
+    TwoSum integral = profile.integral_before(profile.span_count());
     if (!last) {
-      const CurvePlace<Real> where = track.place({end.frame, 0});
+      const CurvePlace where = track.place({end.frame, 0});
       integral = profile.integral_before(where.span);
       integral.add(profile.span(where.span).integral(where.t));
     }
-    const Real length = arc_length.segment_begin(end.key).minus(arc_length.segment_begin(begin.key));
-    const Real covered = integral.minus(integral_before);
-    if (!(covered >= Precision<Real>::smallest_square_root) && length > 0) {
+    const double length = arc_length.segment_begin(end.key).minus(arc_length.segment_begin(begin.key));
+    const double covered = integral.minus(integral_before);
+    if (!(covered >= Precision::smallest_square_root) && length > 0) {
       return Error{.code = ErrorCode::no_distance,
                    .what = covered > 0 ? "the speed curve is too near zero on the whole way to this key"
                                        : "the speed curve is zero on the whole way to this key",
@@ -201,9 +193,9 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
                    .key = end.key,
                    .frame = end.frame};
     }
-    Portion<Real>& portion = memory.portions[i];
-    portion = {begin.frame, length > 0 ? length / covered : Real(0), arc_length.segment_begin(begin.key)};
-    const TwoSum<Real> skipped = two_product(portion.constant, integral_before.high);
+    Portion& portion = memory.portions[i];
+    portion = {begin.frame, length > 0 ? length / covered : 0.0, arc_length.segment_begin(begin.key)};
+    const TwoSum skipped = two_product(portion.constant, integral_before.high);
     portion.offset.add(-skipped.high);
     portion.offset.low -= skipped.low + portion.constant * integral_before.low;
     begin = end;
@@ -214,13 +206,10 @@ Result<Track<Real>> Track<Real>::make_with_breaks(const Path<Real>& path, const 
   return made;
 }
 
-template <Precise Real>
-Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
-                                                      const ArcLength<Real>& arc_length,
-                                                      std::span<const std::int32_t> key_frames,
-                                                      Kinetic kinetic, std::int32_t frames, FrameRate fps,
-                                                      const TrackMemory<Real>& memory) {
-  const SpeedProfile<Real> none = SpeedProfile<Real>::none();
+Result<Track> Track::make_with_key_frames(const Path& path, const ArcLength& arc_length,
+                                          std::span<const std::int32_t> key_frames, Kinetic kinetic,
+                                          std::int32_t frames, FrameRate fps, const TrackMemory& memory) {
+  const SpeedProfile none = SpeedProfile::none();
   if (const Status valid = check_time_line(none, frames, fps); !valid) return valid.error();
   if (const Status keys = check_key_frames(path, key_frames, frames); !keys) return keys.error();
   if (const Status made = check_knots(path, kinetic); !made) return made.error();
@@ -231,9 +220,9 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(segments)};
   }
-  const MonotoneSlopes<Real> slopes(key_frames);
+  const MonotoneSlopes slopes(key_frames);
   for (std::size_t i = 0; i < segments; ++i) {
-    KeyInterval<Real>& interval = memory.key_intervals[i];
+    KeyInterval& interval = memory.key_intervals[i];
     const FrameKnot knot =
         path.knots().empty() ? FrameKnot{.key = static_cast<std::int32_t>(i)} : path.knots()[i];
     const auto key = static_cast<std::size_t>(knot.key);
@@ -242,8 +231,8 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
                 .part = knot.part,
                 .parts = knot.parts};
     if (kinetic == Kinetic::monotone) {
-      const Real d0 = slopes.at(i) * static_cast<Real>(interval.frames);
-      const Real d1 = slopes.at(i + 1) * static_cast<Real>(interval.frames);
+      const double d0 = slopes.at(i) * static_cast<double>(interval.frames);
+      const double d1 = slopes.at(i + 1) * static_cast<double>(interval.frames);
       interval.c1 = d0;
       interval.c2 = 3 - 2 * d0 - d1;
       interval.c3 = d0 + d1 - 2;
@@ -255,42 +244,37 @@ Result<Track<Real>> Track<Real>::make_with_key_frames(const Path<Real>& path,
   return track;
 }
 
-template <Precise Real>
-const Portion<Real>& Track<Real>::portion_at(std::int32_t frame) const {
-  const auto behind = std::ranges::upper_bound(portions_, frame, {}, &Portion<Real>::begin_frame);
+const Portion& Track::portion_at(std::int32_t frame) const {
+  const auto behind = std::ranges::upper_bound(portions_, frame, {}, &Portion::begin_frame);
   return *(behind == portions_.begin() ? behind : behind - 1);
 }
 
-template <Precise Real>
-std::size_t Track<Real>::interval_at(const FrameTime<Real>& time) const {
-  const auto behind =
-      std::ranges::upper_bound(key_intervals_, time.frame, {}, &KeyInterval<Real>::begin_frame);
+std::size_t Track::interval_at(const FrameTime& time) const {
+  const auto behind = std::ranges::upper_bound(key_intervals_, time.frame, {}, &KeyInterval::begin_frame);
   if (behind == key_intervals_.begin()) return 0;
   // The last part between the two keys: the one meant is so many before it.
   const auto last = static_cast<std::size_t>(behind - key_intervals_.begin()) - 1;
-  const KeyInterval<Real>& interval = key_intervals_[last];
+  const KeyInterval& interval = key_intervals_[last];
   if (interval.parts == 1) return last;
-  const Real parts_from_last = interval.u(time);
+  const double parts_from_last = interval.u(time);
   for (std::int32_t back = 0; back < interval.part; ++back) {
-    if (parts_from_last >= static_cast<Real>(-back)) return last - static_cast<std::size_t>(back);
+    if (parts_from_last >= static_cast<double>(-back)) return last - static_cast<std::size_t>(back);
   }
   return last - static_cast<std::size_t>(interval.part);
 }
 
-template <Precise Real>
-TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>& time) const {
+TwoSum Track::special_distance(const FrameTime& time) const {
   return has_profile() ? broken_distance(time) : arc_length_.distance(path_, key_frame_point(time));
 }
 
-template <Precise Real>
-TwoSum<Real> Track<Real>::broken_distance(const FrameTime<Real>& time) const {
-  const CurvePlace<Real> where = place(time);
-  const Portion<Real>& portion = portion_at(time.frame);
-  TwoSum<Real> integral = profile_.integral_before(where.span);
+TwoSum Track::broken_distance(const FrameTime& time) const {
+  const CurvePlace where = place(time);
+  const Portion& portion = portion_at(time.frame);
+  TwoSum integral = profile_.integral_before(where.span);
   integral.add(profile_.span(where.span).integral(where.t));
   // The very numbers that made the offset: at the break nothing is left of them, however large they are.
-  const TwoSum<Real> covered = two_product(portion.constant, integral.high);
-  TwoSum<Real> sum = portion.offset;
+  const TwoSum covered = two_product(portion.constant, integral.high);
+  TwoSum sum = portion.offset;
   sum.add(covered.high);
   sum.low += covered.low + portion.constant * integral.low;
   sum.renormalize();  // what two large numbers leave may lie in the low half, and is looked up by the high
@@ -298,48 +282,23 @@ TwoSum<Real> Track<Real>::broken_distance(const FrameTime<Real>& time) const {
   return sum;
 }
 
-template <Precise Real>
-PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>& time) const {
+PathPoint Track::special_locate(const FrameTime& time) const {
   return has_profile() ? arc_length_.locate(broken_distance(time)) : key_frame_point(time);
 }
 
-template <Precise Real>
-PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>& time) const {
+PathPoint Track::key_frame_point(const FrameTime& time) const {
   if (time.frame >= frames_) return {path_.segment_count(), 0};
   const std::size_t index = interval_at(time);
-  const KeyInterval<Real>& interval = key_intervals_[index];
-  const Real u = interval.u(time);
-  const Real t = u * (interval.c1 + u * (interval.c2 + u * interval.c3));
-  return {static_cast<int>(index), t < 1 ? t : Real(1)};
+  const KeyInterval& interval = key_intervals_[index];
+  const double u = interval.u(time);
+  const double t = u * (interval.c1 + u * (interval.c2 + u * interval.c3));
+  return {static_cast<int>(index), t < 1 ? t : 1.0};
 }
 
-template <Precise Real>
-ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>& time) const {
+ParameterRates Track::key_frame_rates(const FrameTime& time) const {
   const bool at_end = time.frame >= frames_;
-  const KeyInterval<Real>& interval = key_intervals_[at_end ? key_intervals_.size() - 1 : interval_at(time)];
+  const KeyInterval& interval = key_intervals_[at_end ? key_intervals_.size() - 1 : interval_at(time)];
   return interval.rates(interval.u(time), fps_);
 }
-
-// The class is instantiated in track.cpp; these members are defined here.
-#define INBETWEEN_INSTANTIATE(Real)                                                                    \
-  template Result<Track<Real>> Track<Real>::make(const Path<Real>&, const ArcLength<Real>&,            \
-                                                 const SpeedProfile<Real>&, std::int32_t, FrameRate,   \
-                                                 const TrackMemory<Real>&);                            \
-  template Result<Track<Real>> Track<Real>::make_with_breaks(                                          \
-      const Path<Real>&, const ArcLength<Real>&, const SpeedProfile<Real>&, std::int32_t, FrameRate,   \
-      std::span<const BreakKey>, const TrackMemory<Real>&);                                            \
-  template Result<Track<Real>> Track<Real>::make_with_key_frames(                                      \
-      const Path<Real>&, const ArcLength<Real>&, std::span<const std::int32_t>, Kinetic, std::int32_t, \
-      FrameRate, const TrackMemory<Real>&);                                                            \
-  template const Portion<Real>& Track<Real>::portion_at(std::int32_t) const;                           \
-  template std::size_t Track<Real>::interval_at(const FrameTime<Real>&) const;                         \
-  template TwoSum<Real> Track<Real>::special_distance(const FrameTime<Real>&) const;                   \
-  template TwoSum<Real> Track<Real>::broken_distance(const FrameTime<Real>&) const;                    \
-  template PathPoint<Real> Track<Real>::special_locate(const FrameTime<Real>&) const;                  \
-  template PathPoint<Real> Track<Real>::key_frame_point(const FrameTime<Real>&) const;                 \
-  template ParameterRates<Real> Track<Real>::key_frame_rates(const FrameTime<Real>&) const;
-INBETWEEN_INSTANTIATE(double)
-INBETWEEN_INSTANTIATE(float)
-#undef INBETWEEN_INSTANTIATE
 
 }  // namespace inbetween

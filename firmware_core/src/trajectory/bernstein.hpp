@@ -115,7 +115,7 @@ inline Bernstein position_of(const Trajectory& trajectory, const TrajectoryPiece
 template <std::size_t Degree, class Visit>
 INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double seconds, std::size_t axis,
                                                 const Visit& visit) {
-  using Number = Group<double>;
+  using Number = Group;
   constexpr std::size_t first = Degree == 6 ? 1 : 0;
   constexpr std::size_t degree = Degree - first;
   std::array<Number, 4> begin, end;
@@ -155,7 +155,7 @@ INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double se
   }
 }
 
-inline double frame_of(const FrameTime<double>& time) {
+inline double frame_of(const FrameTime& time) {
   return static_cast<double>(time.frame) + time.fraction;
 }
 
@@ -174,7 +174,7 @@ struct PiecePart {
 
 /// Calls `work` with every piece, or part of one, from one time to another.
 template <class Work>
-void for_each_part(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+void for_each_part(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
                    const Work& work) {
   const std::span<const TrajectoryPiece> pieces = trajectory.pieces();
   for (std::size_t i = from < trajectory.end_of(pieces.size() - 1) ? trajectory.piece_at(from)

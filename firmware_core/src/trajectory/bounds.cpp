@@ -16,16 +16,16 @@ constexpr double close_position = 1e-9;
 /// This holds what is proven of some axes: how high they go, how low (with the sign changed), and the
 /// magnitudes of three derivatives.
 struct GroupBounds {
-  Group<double> highest, lowest;
-  std::array<Group<double>, 3> peaks;
+  Group highest, lowest;
+  std::array<Group, 3> peaks;
 };
 
 /// 1 in the lanes whose hulls on a piece are beyond what is proven, and 0 in the others.
 template <std::size_t Degree>
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void find_beyond(const PieceRows& rows, double seconds,
                                                              std::size_t axis, const GroupBounds& bounds,
-                                                             Group<double>& out) {
-  using Number = Group<double>;
+                                                             Group& out) {
+  using Number = Group;
   const Number yes(1);
   const Number begin = group_of<Number>(rows.begin, rows.axes, axis);
   Number beyond(0);
@@ -48,8 +48,8 @@ template <std::size_t Degree>
 /// The same of a row that is passed.
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void find_beyond(const double* row, std::size_t axes,
                                                              std::size_t axis, std::size_t known,
-                                                             const GroupBounds& bounds, Group<double>& out) {
-  using Number = Group<double>;
+                                                             const GroupBounds& bounds, Group& out) {
+  using Number = Group;
   const Number yes(1);
   const Number position = group_of<Number>(row, axes, axis);
   Number beyond = if_less(bounds.highest, position, yes, Number(0));
@@ -146,7 +146,7 @@ class AxisBounds {
       peak.take(derivative.negated(), piece);
     }
   }
-  [[nodiscard]] AxisPeaks<double> peaks() const {
+  [[nodiscard]] AxisPeaks peaks() const {
     return {.lowest = {-lowest_.bound(), lowest_.frame()},
             .highest = {highest_.bound(), highest_.frame()},
             .velocity = {peaks_[0].bound(), peaks_[0].frame()},
@@ -197,7 +197,7 @@ class BoundedGroup {
   }
   void take(const PiecePart& part) {
     const TrajectoryPiece& piece = *part.piece;
-    Group<double> beyond(0);
+    Group beyond(0);
     with_degree(piece.degree, [&](auto degree) {
       find_beyond<degree>(rows_of(piece, trajectory_.values(), trajectory_.axis_count()), piece.seconds,
                           first_, lanes_, beyond);
@@ -208,7 +208,7 @@ class BoundedGroup {
       bounds_[k].write_to(lanes_, k);
     }
   }
-  [[nodiscard]] AxisPeaks<double> peaks(std::size_t k) const { return bounds_[k].peaks(); }
+  [[nodiscard]] AxisPeaks peaks(std::size_t k) const { return bounds_[k].peaks(); }
 
  private:
   void write_lanes() {
@@ -216,7 +216,7 @@ class BoundedGroup {
   }
   void reach_row(std::uint32_t offset, const TrajectoryPiece& piece, double u) {
     const double* row = &trajectory_.values()[offset];
-    Group<double> beyond(0);
+    Group beyond(0);
     find_beyond(row, trajectory_.axis_count(), first_, known_of(piece.degree), lanes_, beyond);
     for (std::size_t k = 0; k < count_; ++k) {
       if (!(lane_of(beyond, k) > 0)) continue;
@@ -231,8 +231,8 @@ class BoundedGroup {
   GroupBounds lanes_{};
 };
 
-void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
-                 std::size_t first, std::span<AxisPeaks<double>> out) {
+void bound_group(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to, std::size_t first,
+                 std::span<AxisPeaks> out) {
   BoundedGroup group(trajectory, first, out.size());
   for_each_part(trajectory, from, to, [&](const PiecePart& part) { group.reach_rows(part); });
   group.begin_search();
@@ -242,14 +242,14 @@ void bound_group(const Trajectory& trajectory, const FrameTime<double>& from, co
 
 }  // namespace
 
-void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,
-                      const FrameTime<double>& to, std::span<AxisPeaks<double>> out) {
+void bound_trajectory(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
+                      std::span<AxisPeaks> out) {
   for (std::size_t d = 0; d < trajectory.axis_count(); d += group_size)
     bound_group(trajectory, from, to, d, out.subspan(d, std::min(group_size, trajectory.axis_count() - d)));
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (const UnboundedSide& side : trajectory.unbounded()) {
     if (side.time < from || to < side.time) continue;
-    AxisPeaks<double>& peaks = out[static_cast<std::size_t>(side.axis)];
+    AxisPeaks& peaks = out[static_cast<std::size_t>(side.axis)];
     const double frame = frame_of(side.time);
     if (side.order <= 1) peaks.velocity.raise(infinity, frame);
     if (side.order <= 2) peaks.acceleration.raise(infinity, frame);
@@ -257,7 +257,7 @@ void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& fro
   }
 }
 
-void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>> out) {
+void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks> out) {
   bound_trajectory(trajectory, trajectory.begin(), trajectory.end(), out);
 }
 

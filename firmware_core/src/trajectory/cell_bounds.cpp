@@ -15,11 +15,11 @@ constexpr double close_in_cell = 0.02;
 
 /// The velocity, the acceleration and the jerk of some axes on what is left of a piece.
 struct GroupDerivatives {
-  std::array<std::array<Group<double>, 8>, 3> c;
+  std::array<std::array<Group, 8>, 3> c;
   std::array<std::size_t, 3> degree{};
 };
 /// A bound of the magnitude of each.
-using GroupMagnitudes = std::array<Group<double>, 3>;
+using GroupMagnitudes = std::array<Group, 3>;
 
 template <std::size_t Degree>
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void write_derivatives(const PieceRows& rows, double seconds,
@@ -33,9 +33,9 @@ template <std::size_t Degree>
 
 /// Raises the suprema of two cells (or of one, twice) by what `most` may be, where that is near enough to
 /// what is `found`. The other lanes get a 1 in `far`.
-inline void raise_in_lanes(const Group<double>& most, const Group<double>& found, const Group<double>& room,
-                           Group<double>& one, Group<double>& other, Group<double>& far) {
-  using Number = Group<double>;
+inline void raise_in_lanes(const Group& most, const Group& found, const Group& room, Group& one, Group& other,
+                           Group& far) {
+  using Number = Group;
   const Number zero(0);
   const Number enough = found + greatest(close_in_cell * found, room);
   const Number is_more = if_less(least(one, other), most, Number(1), zero);
@@ -50,7 +50,7 @@ template <std::size_t Degree>
                                                                 std::size_t axis, const GroupMagnitudes& room,
                                                                 GroupMagnitudes& one, GroupMagnitudes& other,
                                                                 GroupMagnitudes& far) {
-  using Number = Group<double>;
+  using Number = Group;
   visit_derivatives<Degree>(rows, seconds, axis, [&](std::size_t k, const auto& c, std::size_t n) {
     if (k == 0) return;
     Number most = absolute(c[0]);
@@ -66,10 +66,10 @@ template <std::size_t Degree>
 
 /// Cuts a share off the begin of what is left (de Casteljau). `most` is its hull, `found` what it has at its
 /// ends: what is left begins where it has ended.
-INBETWEEN_PART_OF_CLONES void cut_share(GroupDerivatives& rest, double share, std::size_t k,
-                                        Group<double>& most, Group<double>& found) {
-  std::array<Group<double>, 8>& c = rest.c[k];
-  const Group<double> begin = absolute(c[0]);
+INBETWEEN_PART_OF_CLONES void cut_share(GroupDerivatives& rest, double share, std::size_t k, Group& most,
+                                        Group& found) {
+  std::array<Group, 8>& c = rest.c[k];
+  const Group begin = absolute(c[0]);
   most = begin;
   for (std::size_t round = 1; round <= rest.degree[k]; ++round) {
     for (std::size_t i = 0; i + round <= rest.degree[k]; ++i) c[i] = (1 - share) * c[i] + share * c[i + 1];
@@ -78,7 +78,7 @@ INBETWEEN_PART_OF_CLONES void cut_share(GroupDerivatives& rest, double share, st
   found = greatest(begin, absolute(c[0]));
 }
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES void drop_share(GroupDerivatives& rest, double share) {
-  Group<double> most(0), found(0);
+  Group most(0), found(0);
   for (std::size_t k = 0; k < rest.c.size(); ++k) cut_share(rest, share, k, most, found);
 }
 /// Raises a cell by what is cut off.
@@ -86,7 +86,7 @@ INBETWEEN_PART_OF_CLONES void cut_share(GroupDerivatives& rest, double share, st
                                                                 const GroupMagnitudes& room,
                                                                 GroupMagnitudes& cell, GroupMagnitudes& far) {
   for (std::size_t k = 0; k < rest.c.size(); ++k) {
-    Group<double> most(0), found(0);
+    Group most(0), found(0);
     cut_share(rest, share, k, most, found);
     raise_in_lanes(most, found, room[k], cell[k], cell[k], far[k]);
   }
@@ -105,7 +105,7 @@ class GroupCells {
         out_(out),
         stride_(stride) {}
 
-  void run(const FrameTime<double>& from, const FrameTime<double>& to, std::size_t first, std::size_t count) {
+  void run(const FrameTime& from, const FrameTime& to, std::size_t first, std::size_t count) {
     first_ = first;
     count_ = count;
     for (std::size_t k = 0; k < count; ++k) {
@@ -127,7 +127,7 @@ class GroupCells {
     close(0);
     close(1);
   }
-  void raise(const FrameTime<double>& time, std::size_t axis, std::size_t derivative) {
+  void raise(const FrameTime& time, std::size_t axis, std::size_t derivative) {
     const std::size_t cell = cell_at(frame_of(time));
     for (std::size_t q = derivative; q < 3; ++q) at(cell, axis, q) = std::numeric_limits<double>::infinity();
   }
@@ -206,13 +206,13 @@ class GroupCells {
   }
   void search_far(const PiecePart& part, const Cells& cells, std::size_t first_cell, std::size_t last_cell,
                   const GroupMagnitudes& far) {
-    const Group<double> any = far[0] + far[1] + far[2];
+    const Group any = far[0] + far[1] + far[2];
     for (std::size_t k = 0; k < count_; ++k) {
       if (!(lane_of(any, k) > 0)) continue;
       for (std::size_t q = 0; q < 3; ++q) {
         if (!(lane_of(far[q], k) > 0)) continue;
         for (std::size_t cell = first_cell; cell <= last_cell; ++cell) {
-          Group<double>& lanes = lanes_[cell - open_][q];
+          Group& lanes = lanes_[cell - open_][q];
           double supremum = lane_of(lanes, k);
           search_part(part, cells, cell, first_ + k, q, supremum);
           set_lane(lanes, k, supremum);
@@ -263,7 +263,7 @@ class GroupCells {
 
 }  // namespace
 
-void bound_cells(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+void bound_cells(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
                  const CellLine& line, std::span<const MotionTriple> room, std::span<MotionTriple> out,
                  std::size_t stride) {
   GroupCells cells(trajectory, line, room, out, stride);

@@ -18,13 +18,13 @@ constexpr double max_position = 2147483647.0 - max_terms;
 /// A part of a piece.
 struct Stretch {
   std::size_t piece = 0;
-  FrameTime<double> begin;
+  FrameTime begin;
   double from = 0, to = 1;  ///< in u of the piece
 };
 
-FrameTime<float> in_float(const FrameTime<double>& time) {
+FloatFrameTime in_float(const FrameTime& time) {
   const auto fraction = static_cast<float>(time.fraction);
-  return fraction < 1 ? FrameTime<float>{time.frame, fraction} : FrameTime<float>{time.frame + 1, 0};
+  return fraction < 1 ? FloatFrameTime{time.frame, fraction} : FloatFrameTime{time.frame + 1, 0};
 }
 
 /// c[0] + c[1] w + ..., w from 0 to 1 between two places of a polynomial in u.
@@ -137,7 +137,7 @@ Status for_each_stretch(const Trajectory& trajectory, std::span<const double> co
     const Result<int> halvings = halvings_of(trajectory, piece, counts_per_unit);
     if (!halvings) return halvings.error();
     const bool is_whole = trajectory.begin() <= piece.begin && trajectory.end_of(i) <= trajectory.end();
-    const auto u_of = [&](const FrameTime<double>& time) {
+    const auto u_of = [&](const FrameTime& time) {
       return frames_between(piece.begin, time) * piece.inverse_frames;
     };
     const double begin = is_whole ? 0 : std::max(0.0, u_of(trajectory.begin()));
@@ -146,8 +146,7 @@ Status for_each_stretch(const Trajectory& trajectory, std::span<const double> co
     for (int part = 0; part < parts; ++part) {
       const double from = begin + (end - begin) * part / parts;
       const double to = begin + (end - begin) * (part + 1) / parts;
-      const FrameTime<double> time =
-          from == 0 ? piece.begin : moved_by(piece.begin, from / piece.inverse_frames);
+      const FrameTime time = from == 0 ? piece.begin : moved_by(piece.begin, from / piece.inverse_frames);
       if (const Status taken = take(Stretch{i, time, from, to}); !taken) return taken;
     }
   }
@@ -239,7 +238,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
   return result;
 }
 
-float CountTrajectory::find(const FrameTime<float>& time) {
+float CountTrajectory::find(const FloatFrameTime& time) {
   const auto is_in = [&](std::size_t i) {
     return pieces_[i].begin <= time && (i + 1 == pieces_.size() || time < pieces_[i + 1].begin);
   };

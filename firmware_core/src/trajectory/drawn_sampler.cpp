@@ -18,17 +18,17 @@ constexpr double same_moment = 1e-9;
 constexpr std::int32_t nowhere = -1;
 
 /// a = span + t as a time, exact where t is 0.
-FrameTime<double> time_of(const Track<double>& track, const CurvePlace<double>& place) {
+FrameTime time_of(const Track& track, const CurvePlace& place) {
   const std::int64_t f = track.profile().span_count();
   const std::int64_t scaled = static_cast<std::int64_t>(place.span) * track.frames();
-  const FrameTime<double> begin{static_cast<std::int32_t>(scaled / f),
-                                static_cast<double>(scaled % f) / static_cast<double>(f)};
+  const FrameTime begin{static_cast<std::int32_t>(scaled / f),
+                        static_cast<double>(scaled % f) / static_cast<double>(f)};
   return moved_by(begin, place.t * static_cast<double>(track.frames()) / static_cast<double>(f));
 }
 
-double constant_at(const Track<double>& track, std::int32_t frame) {
+double constant_at(const Track& track, std::int32_t frame) {
   double constant = track.constant();
-  for (const Portion<double>& portion : track.portions()) {
+  for (const Portion& portion : track.portions()) {
     if (portion.begin_frame <= frame) constant = portion.constant;
   }
   return constant;
@@ -37,19 +37,19 @@ double constant_at(const Track<double>& track, std::int32_t frame) {
 /// Collects the joints in the caller's memory.
 class JointList {
  public:
-  JointList(const Track<double>& track, std::span<SampledJoint> memory) : track_(track), memory_(memory) {}
+  JointList(const Track& track, std::span<SampledJoint> memory) : track_(track), memory_(memory) {}
 
   void add_knots() {
     const std::int32_t f = track_.profile().span_count();
     for (std::int32_t i = 0; i <= f; ++i) {
-      SampledJoint joint = at(i < f ? CurvePlace<double>{i, 0} : CurvePlace<double>{f - 1, 1});
+      SampledJoint joint = at(i < f ? CurvePlace{i, 0} : CurvePlace{f - 1, 1});
       if (i > 0) joint.curve_before = {i - 1, 1};
       add(joint);
     }
   }
   void add_portions() {
     for (std::size_t i = 1; i < track_.portions().size(); ++i) {
-      const Portion<double>& portion = track_.portions()[i];
+      const Portion& portion = track_.portions()[i];
       SampledJoint joint = at(track_.place({portion.begin_frame, 0}));
       joint.time = {portion.begin_frame, 0};
       joint.constant_before = track_.portions()[i - 1].constant;
@@ -58,7 +58,7 @@ class JointList {
     }
   }
   void add_path() {
-    const Path<double>& path = track_.path();
+    const Path& path = track_.path();
     std::int32_t before = nowhere;  // the last segment with a length
     for (std::int32_t i = 0; i < path.segment_count(); ++i) {
       if (!has_length(track_, i)) continue;
@@ -67,12 +67,11 @@ class JointList {
       if (before == nowhere) first_ = {i, 0};
       before = i;
       last_ = {i, 1};
-      const AnchoredIntervals<double> split =
-          split_where_slow(SegmentSpeed<double>(path.segment(i), path.weights()));
+      const AnchoredIntervals split = split_where_slow(SegmentSpeed(path.segment(i), path.weights()));
       for (std::size_t k = 0; k < split.count; ++k) {
-        const AnchoredInterval<double>& interval = split.intervals[k];
+        const AnchoredInterval& interval = split.intervals[k];
         if (!interval.forward || interval.anchor <= 0 || interval.anchor >= 1) continue;
-        const PathPoint<double> anchor{i, interval.anchor};
+        const PathPoint anchor{i, interval.anchor};
         add_passing(track_.arc_length().distance(path, anchor), anchor, anchor, std::nullopt);
       }
     }
@@ -101,7 +100,7 @@ class JointList {
   [[nodiscard]] bool has_room() const { return count_ <= memory_.size(); }
 
  private:
-  [[nodiscard]] SampledJoint at(const CurvePlace<double>& place) const {
+  [[nodiscard]] SampledJoint at(const CurvePlace& place) const {
     SampledJoint joint;
     joint.time = time_of(track_, place);
     joint.curve_before = joint.curve_after = place;
@@ -109,9 +108,9 @@ class JointList {
     joint.constant_before = joint.constant_after = constant_at(track_, joint.time.frame);
     return joint;
   }
-  void add_passing(const TwoSum<double>& distance, const PathPoint<double>& before,
-                   const PathPoint<double>& after, std::optional<std::int32_t> key) {
-    MetPlace<double> met = find_distance(track_, distance);
+  void add_passing(const TwoSum& distance, const PathPoint& before, const PathPoint& after,
+                   std::optional<std::int32_t> key) {
+    MetPlace met = find_distance(track_, distance);
     if (met.arriving == met.leaving) met.place = refined(met.place, met.leaving, distance);
     SampledJoint joint = at(met.place);
     joint.point_before = before;
@@ -122,8 +121,7 @@ class JointList {
     add(joint);
   }
   /// The place to the last bits where the motion goes on: found is one as near as a lock is.
-  [[nodiscard]] CurvePlace<double> refined(CurvePlace<double> place, double constant,
-                                           const TwoSum<double>& distance) const {
+  [[nodiscard]] CurvePlace refined(CurvePlace place, double constant, const TwoSum& distance) const {
     constexpr int max_steps = 4;
     for (int i = 0; i < max_steps; ++i) {
       const double slope = constant * track_.profile().span(place.span).value(place.t);
@@ -142,7 +140,7 @@ class JointList {
     return a.point_after.segment != nowhere && b.point_before.segment != nowhere;
   }
   [[nodiscard]] double way_between(const SampledJoint& a, const SampledJoint& b) const {
-    const auto distance = [&](const PathPoint<double>& point) {
+    const auto distance = [&](const PathPoint& point) {
       return track_.arc_length().distance(track_.path(), point);
     };
     return distance(b.point_before).minus(distance(a.point_after));
@@ -150,7 +148,7 @@ class JointList {
   /// At one moment, or nearer to each other along the path than the time of a place is known.
   [[nodiscard]] bool are_one(const SampledJoint& a, const SampledJoint& b) const {
     if (frames_between(a.time, b.time) <= same_moment) return true;
-    return has_points(a, b) && way_between(a, b) <= 4 * lock_share<double> * track_.arc_length().total();
+    return has_points(a, b) && way_between(a, b) <= 4 * lock_share * track_.arc_length().total();
   }
   /// In time; of one moment knots of the curve, breaks, and passings in the order of the path: whatever the
   /// library sorts with, the order is the same.
@@ -161,7 +159,7 @@ class JointList {
     if (a.point_before.t != b.point_before.t) return a.point_before.t < b.point_before.t;
     return a.constant_before == a.constant_after && b.constant_before != b.constant_after;
   }
-  static bool is_inside(const CurvePlace<double>& place) { return place.t > 0 && place.t < 1; }
+  static bool is_inside(const CurvePlace& place) { return place.t > 0 && place.t < 1; }
   static void take_time(SampledJoint& into, const SampledJoint& other) {
     into.time = other.time;
     into.curve_before = other.curve_before;
@@ -193,17 +191,17 @@ class JointList {
     }
   }
 
-  const Track<double>& track_;
+  const Track& track_;
   std::span<SampledJoint> memory_;
   std::size_t count_ = 0;
-  PathPoint<double> first_, last_;  ///< of the way that has a length
+  PathPoint first_, last_;  ///< of the way that has a length
 };
 
 /// A segment whose cubics are multiples of one: a line, on which only the pace changes, however it turns
 /// back. The chain rule would take large numbers from each other there.
 class Line {
  public:
-  Line(const Track<double>& track, std::int32_t segment)
+  Line(const Track& track, std::int32_t segment)
       : cubics_(track.path().segment(segment)), weights_(track.path().weights()) {
     for (std::size_t d = 0; d < cubics_.size(); ++d) {
       if (size_of(d) > size_of(largest_)) largest_ = d;
@@ -226,9 +224,8 @@ class Line {
   }
   /// dP / dL of every axis at t: with its sign there, or of a joint where the path stands still, to within
   /// the rounding of t, with that of its side.
-  void write(const AlongPath<double>& along, bool is_joint, bool arriving,
-             std::span<AxisMotion<double>> out) const {
-    const Cubic<double>& longest = cubics_[largest_];
+  void write(const AlongPath& along, bool is_joint, bool arriving, std::span<AxisMotion> out) const {
+    const Cubic& longest = cubics_[largest_];
     const double t = along.point.t;
     double way = longest.derivative(t);
     const std::array<double, 3> terms = of(largest_);
@@ -261,30 +258,29 @@ class Line {
   }
   [[nodiscard]] double ratio(std::size_t d) const { return of(d)[term_] / of(largest_)[term_]; }
 
-  std::span<const Cubic<double>> cubics_;
+  std::span<const Cubic> cubics_;
   std::span<const double> weights_;
   std::size_t largest_ = 0;  ///< the axis that counts most
   std::size_t term_ = 0;     ///< of its derivative, the largest
 };
 
-const SampledSegment& know(const Track<double>& track, std::int32_t segment, SampledSegment& known) {
+const SampledSegment& know(const Track& track, std::int32_t segment, SampledSegment& known) {
   if (known.segment != segment) {
-    known = {segment, SegmentSpeed<double>(track.path().segment(segment), track.path().weights()),
+    known = {segment, SegmentSpeed(track.path().segment(segment), track.path().weights()),
              Line(track, segment).is_there()};
   }
   return known;
 }
 
 /// The point at a distance to the last bits: the tick's own inverse is only as near as it promises.
-PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& distance,
-                           SampledSegment& known) {
+PathPoint point_at(const Track& track, const TwoSum& distance, SampledSegment& known) {
   constexpr int max_steps = 8;
-  PathPoint<double> point = track.arc_length().locate(distance);
+  PathPoint point = track.arc_length().locate(distance);
   if (point.segment >= track.path().segment_count()) return point;
   const double rounding = std::numeric_limits<double>::epsilon() * track.arc_length().total();
-  const SegmentSpeed<double>& speed = know(track, point.segment, known).speed;
+  const SegmentSpeed& speed = know(track, point.segment, known).speed;
   for (int i = 0; i < max_steps; ++i) {
-    const DistanceAndSpeed<double> here = track.arc_length().distance(speed, point);
+    const DistanceAndSpeed here = track.arc_length().distance(speed, point);
     const double off = here.distance.minus(distance);
     if (std::fabs(off) <= rounding || here.speed == 0) break;
     const double last = point.t;
@@ -297,10 +293,9 @@ PathPoint<double> point_at(const Track<double>& track, const TwoSum<double>& dis
 }
 
 /// A key at which the motion rests is its place to the last bit.
-PathPoint<double> resting_point(const Track<double>& track, const TwoSum<double>& distance, bool arriving,
-                                SampledSegment& known) {
-  const double margin = lock_share<double> * track.arc_length().total();
-  const PathPoint<double> here = track.arc_length().locate(distance);
+PathPoint resting_point(const Track& track, const TwoSum& distance, bool arriving, SampledSegment& known) {
+  const double margin = lock_share * track.arc_length().total();
+  const PathPoint here = track.arc_length().locate(distance);
   const std::int32_t last = track.path().segment_count();
   for (std::int32_t key = here.segment; key <= std::min<std::int32_t>(here.segment + 1, last); ++key) {
     if (std::fabs(distance.minus(track.arc_length().segment_begin(key))) > margin) continue;
@@ -314,7 +309,7 @@ PathPoint<double> resting_point(const Track<double>& track, const TwoSum<double>
 /// root of the distance.
 class Standing {
  public:
-  Standing(const Track<double>& track, const PathPoint<double>& point)
+  Standing(const Track& track, const PathPoint& point)
       : cubics_(track.path().segment(point.segment)), t_(point.t) {
     const std::span<const double> weights = track.path().weights();
     double squares = 0, products = 0, thirds = 0;
@@ -330,16 +325,15 @@ class Standing {
     along_ = squares > 0 ? products / squares : 0;
   }
   /// The direction is the opposite on the other side.
-  [[nodiscard]] bool turns_back() const { return size_ > still_speed_share<double> * third_; }
+  [[nodiscard]] bool turns_back() const { return size_ > still_speed_share * third_; }
   /// That of every axis on the side on which the motion leaves. Where the point is known within rounding, P'
   /// may be that of any moment of the turn.
-  void write_velocity(double speed, std::span<AxisMotion<double>> out) const {
+  void write_velocity(double speed, std::span<AxisMotion> out) const {
     for (std::size_t d = 0; d < out.size(); ++d) out[d].velocity = speed * (cubics_[d].second(t_) / size_);
   }
   /// Whether its part of the direction turns: then d2P / dL2 has no bound.
   [[nodiscard]] bool turns(std::size_t d) const {
-    if (!(size_ > still_speed_share<double> * third_))
-      return false;  // to second order: the direction goes on
+    if (!(size_ > still_speed_share * third_)) return false;  // to second order: the direction goes on
     const double across = cubics_[d].third() - along_ * cubics_[d].second(t_);
     const double size = std::fabs(cubics_[d].third()) + std::fabs(along_ * cubics_[d].second(t_));
     return std::fabs(across) > straight_share * size;
@@ -349,26 +343,26 @@ class Standing {
   /// What is less across than this share of itself is rounding.
   static constexpr double straight_share = 1e-9;
 
-  std::span<const Cubic<double>> cubics_;
+  std::span<const Cubic> cubics_;
   double t_;
   double size_ = 0, third_ = 0, along_ = 0;
 };
 
 /// Calls `take` with an axis and how far from its position at a point it is at a distance before and behind.
 template <class Take>
-void look_beside(const Track<double>& track, const PathPoint<double>& point, double way, const Take& take) {
+void look_beside(const Track& track, const PathPoint& point, double way, const Take& take) {
   const std::int32_t segments = track.path().segment_count();
-  const std::span<const Cubic<double>> here =
+  const std::span<const Cubic> here =
       track.path().segment(std::min<std::int32_t>(point.segment, segments - 1));
   const double t = point.segment < segments ? point.t : 1;
-  const TwoSum<double> distance = track.arc_length().distance(track.path(), point);
+  const TwoSum distance = track.arc_length().distance(track.path(), point);
   SampledSegment known;
   for (const double side : {-way, way}) {
-    TwoSum<double> aside = distance;
+    TwoSum aside = distance;
     aside.add(side);
-    const PathPoint<double> beside = point_at(track, aside, known);
+    const PathPoint beside = point_at(track, aside, known);
     if (beside.segment >= segments) continue;  // the end itself
-    const std::span<const Cubic<double>> there = track.path().segment(beside.segment);
+    const std::span<const Cubic> there = track.path().segment(beside.segment);
     for (std::size_t d = 0; d < static_cast<std::size_t>(track.path().axis_count()); ++d)
       take(d, std::fabs(there[d].value(beside.t) - here[d].value(t)));
   }
@@ -377,8 +371,7 @@ void look_beside(const Track<double>& track, const PathPoint<double>& point, dou
 /// Where an axis of weight 0 has no velocity, its position is known far worse than the distance: as well as
 /// the root of its rounding. The velocity says so: what the rounding of the distance makes of the position
 /// is in the same proportion to it as the velocity to the speed.
-void write_mean_velocities(const Track<double>& track, const AlongPath<double>& along,
-                           std::span<AxisMotion<double>> out) {
+void write_mean_velocities(const Track& track, const AlongPath& along, std::span<AxisMotion> out) {
   const double rounding =
       distance_roundings * std::numeric_limits<double>::epsilon() * track.arc_length().total();
   look_beside(track, along.point, rounding, [&](std::size_t d, double reach) {
@@ -388,24 +381,24 @@ void write_mean_velocities(const Track<double>& track, const AlongPath<double>& 
 
 }  // namespace
 
-SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
-                          bool arriving, SampledSegment& known, std::span<AxisMotion<double>> out) {
-  const SpeedSpan<double>& span = track.profile().span(place.curve.span);
+SampledSpeed sample_drawn(const Track& track, const FrameTime& time, const DrawnPlace& place, bool arriving,
+                          SampledSegment& known, std::span<AxisMotion> out) {
+  const SpeedSpan& span = track.profile().span(place.curve.span);
   const double constant = place.constant;
   const double rate = track.curve_rate();
-  AlongPath<double> along;
+  AlongPath along;
   along.speed = constant * rate * span.value(place.curve.t);
   along.acceleration = constant * rate * rate * span.derivative(place.curve.t);
   along.jerk = constant * rate * rate * rate * span.second(place.curve.t);
   along.point = place.point;
   if (along.point.segment == nowhere) {
-    const TwoSum<double> distance = track.distance(time);
+    const TwoSum distance = track.distance(time);
     along.point =
         along.speed == 0 ? resting_point(track, distance, arriving, known) : point_at(track, distance, known);
   }
   const std::uint8_t order = track.motion_at(along, out);
   if (along.point.t == 1) {  // the key itself, and not what the cubic before it is rounded to
-    const std::span<const Cubic<double>> next = track.path().segment(along.point.segment + 1);
+    const std::span<const Cubic> next = track.path().segment(along.point.segment + 1);
     for (std::size_t d = 0; d < out.size(); ++d) out[d].position = next[d].c0;
   }
   // At rest the axes stand at a key, and the curve has come to it within what a lock promises.
@@ -428,28 +421,27 @@ SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& t
   return {along.speed, order, off, along.point};
 }
 
-SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, SampledSegment& known,
-                          std::span<AxisMotion<double>> out) {
+SampledSpeed sample_drawn(const Track& track, const FrameTime& time, SampledSegment& known,
+                          std::span<AxisMotion> out) {
   return sample_drawn(track, time, {track.place(time), constant_at(track, time.frame), {nowhere, 0}}, false,
                       known, out);
 }
 
-void write_reach_along(const Track<double>& track, const PathPoint<double>& point, double way,
-                       std::span<double> out) {
+void write_reach_along(const Track& track, const PathPoint& point, double way, std::span<double> out) {
   std::fill(out.begin(), out.end(), 0.0);
   look_beside(track, point, way, [&](std::size_t d, double reach) { out[d] = std::max(out[d], reach); });
 }
 
-bool has_unbounded_turn(const Track<double>& track, const PathPoint<double>& point, std::size_t axis) {
+bool has_unbounded_turn(const Track& track, const PathPoint& point, std::size_t axis) {
   return Standing(track, point).turns(axis);
 }
 
-std::size_t max_drawn_joints(const Track<double>& track) {
+std::size_t max_drawn_joints(const Track& track) {
   const auto spans = static_cast<std::size_t>(track.profile().span_count());
   return spans + 1 + track.portions().size() + 3 * static_cast<std::size_t>(track.path().segment_count());
 }
 
-std::span<const SampledJoint> drawn_joints(const Track<double>& track, std::span<SampledJoint> memory) {
+std::span<const SampledJoint> drawn_joints(const Track& track, std::span<SampledJoint> memory) {
   JointList list(track, memory);
   list.add_knots();
   list.add_portions();

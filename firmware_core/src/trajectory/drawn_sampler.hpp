@@ -13,33 +13,32 @@ namespace inbetween {
 /// Where the motion is: on the curve, with the constant that holds there, and on the path (a segment below 0:
 /// by the distance).
 struct DrawnPlace {
-  CurvePlace<double> curve;
+  CurvePlace curve;
   double constant = 0;
-  PathPoint<double> point;
+  PathPoint point;
 };
 
 /// What is worked out of a segment of the path once, and holds for every moment on it.
 struct SampledSegment {
   std::int32_t segment = -1;
-  SegmentSpeed<double> speed;
+  SegmentSpeed speed;
   bool is_line = false;
 };
 
-SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, const DrawnPlace& place,
-                          bool arriving, SampledSegment& known, std::span<AxisMotion<double>> out);
+SampledSpeed sample_drawn(const Track& track, const FrameTime& time, const DrawnPlace& place, bool arriving,
+                          SampledSegment& known, std::span<AxisMotion> out);
 /// Between joints.
-SampledSpeed sample_drawn(const Track<double>& track, const FrameTime<double>& time, SampledSegment& known,
-                          std::span<AxisMotion<double>> out);
+SampledSpeed sample_drawn(const Track& track, const FrameTime& time, SampledSegment& known,
+                          std::span<AxisMotion> out);
 
 /// How far from its position at a point every axis is within so much of the distance along the path.
-void write_reach_along(const Track<double>& track, const PathPoint<double>& point, double way,
-                       std::span<double> out);
+void write_reach_along(const Track& track, const PathPoint& point, double way, std::span<double> out);
 
 /// Whether the acceleration of an axis has no bound beside a point at which the path stands still.
-bool has_unbounded_turn(const Track<double>& track, const PathPoint<double>& point, std::size_t axis);
+bool has_unbounded_turn(const Track& track, const PathPoint& point, std::size_t axis);
 
-std::size_t max_drawn_joints(const Track<double>& track);
+std::size_t max_drawn_joints(const Track& track);
 /// In their order; none where the memory is too small.
-std::span<const SampledJoint> drawn_joints(const Track<double>& track, std::span<SampledJoint> memory);
+std::span<const SampledJoint> drawn_joints(const Track& track, std::span<SampledJoint> memory);
 
 }  // namespace inbetween

@@ -7,8 +7,7 @@ namespace inbetween {
 
 static_assert(fit_numbers == row_numbers + SampledRows<TrackSampler>::numbers + judging::numbers);
 
-void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> samples,
-                    std::span<double> out) {
+void measure_travel(const TrackSampler& sampler, std::span<AxisMotion> samples, std::span<double> out) {
   judging::measure_travel(sampler, samples, out);
 }
 

@@ -7,12 +7,12 @@ namespace inbetween {
 namespace {
 
 /// Linear kinetics and curves: the parameter goes in proportion to time.
-bool is_even(const KeyInterval<double>& interval) {
+bool is_even(const KeyInterval& interval) {
   return interval.c2 == 0 && interval.c3 == 0;
 }
 
 /// Exact but for the fraction, which is rounded once.
-FrameTime<double> begin_of(const KeyInterval<double>& interval) {
+FrameTime begin_of(const KeyInterval& interval) {
   const std::int64_t scaled = static_cast<std::int64_t>(interval.part) * interval.frames;
   return {interval.begin_frame + static_cast<std::int32_t>(scaled / interval.parts),
           static_cast<double>(scaled % interval.parts) / static_cast<double>(interval.parts)};
@@ -20,11 +20,10 @@ FrameTime<double> begin_of(const KeyInterval<double>& interval) {
 
 }  // namespace
 
-SampledSpeed sample_framed(const Track<double>& track, std::int32_t segment, double u,
-                           std::span<AxisMotion<double>> out) {
-  const KeyInterval<double>& interval = track.key_intervals()[static_cast<std::size_t>(segment)];
-  const std::span<const Cubic<double>> cubics = track.path().segment(segment);
-  const std::span<const Cubic<double>> next = track.path().segment(segment + 1);
+SampledSpeed sample_framed(const Track& track, std::int32_t segment, double u, std::span<AxisMotion> out) {
+  const KeyInterval& interval = track.key_intervals()[static_cast<std::size_t>(segment)];
+  const std::span<const Cubic> cubics = track.path().segment(segment);
+  const std::span<const Cubic> next = track.path().segment(segment + 1);
   const std::span<const double> weights = track.path().weights();
   const double t = u < 1 ? u * (interval.c1 + u * (interval.c2 + u * interval.c3)) : 1;
   const auto [first, second, third] = interval.rates(u, track.frame_rate());
@@ -42,32 +41,31 @@ SampledSpeed sample_framed(const Track<double>& track, std::int32_t segment, dou
   return {std::sqrt(squares), static_cast<std::uint8_t>(is_even(interval) ? 1 : 3)};
 }
 
-SampledSpeed sample_framed(const Track<double>& track, const FrameTime<double>& time,
-                           std::span<AxisMotion<double>> out) {
-  const std::span<const KeyInterval<double>> intervals = track.key_intervals();
+SampledSpeed sample_framed(const Track& track, const FrameTime& time, std::span<AxisMotion> out) {
+  const std::span<const KeyInterval> intervals = track.key_intervals();
   const auto behind =
       std::partition_point(intervals.begin() + 1, intervals.end(),
-                           [&](const KeyInterval<double>& interval) { return begin_of(interval) <= time; });
+                           [&](const KeyInterval& interval) { return begin_of(interval) <= time; });
   const auto segment = behind - intervals.begin() - 1;
   const double u = std::clamp(intervals[static_cast<std::size_t>(segment)].u(time), 0.0, 1.0);
   return sample_framed(track, static_cast<std::int32_t>(segment), u, out);
 }
 
-bool is_cubic_in_time(const Track<double>& track) {
+bool is_cubic_in_time(const Track& track) {
   return std::all_of(track.key_intervals().begin(), track.key_intervals().end(), is_even);
 }
 
-std::size_t max_framed_joints(const Track<double>& track) {
+std::size_t max_framed_joints(const Track& track) {
   return track.key_intervals().size() + 1;
 }
 
-std::span<const SampledJoint> framed_joints(const Track<double>& track, std::span<SampledJoint> memory) {
-  const std::span<const KeyInterval<double>> intervals = track.key_intervals();
+std::span<const SampledJoint> framed_joints(const Track& track, std::span<SampledJoint> memory) {
+  const std::span<const KeyInterval> intervals = track.key_intervals();
   if (memory.size() < max_framed_joints(track)) return {};
   for (std::size_t i = 0; i <= intervals.size(); ++i) {
     const auto segment = static_cast<std::int32_t>(i);
     SampledJoint joint;
-    joint.time = i < intervals.size() ? begin_of(intervals[i]) : FrameTime<double>{track.frames(), 0};
+    joint.time = i < intervals.size() ? begin_of(intervals[i]) : FrameTime{track.frames(), 0};
     joint.key = track.path().key_at(segment).value_or(-1);
     joint.point_before = {segment - 1, 1};
     joint.point_after = {segment, 0};

@@ -19,7 +19,7 @@ constexpr double slope = std::array<double, 4>{3.8083, 1, 0.1438, 0.0392}[k];
 }  // namespace
 
 [[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool is_near_by_middle(const MiddleLook& look) {
-  using Number = Group<double>;
+  using Number = Group;
   constexpr double u = 0.5;
   const double h = look.seconds;
   const HermiteWeights w0 = septic_weights<0>(u, h);

@@ -89,7 +89,7 @@ Number noise_of(const Number& position, const Number& velocity, double way_secon
 }
 
 template <class Sampler>
-void measure_travel(const Sampler& sampler, std::span<AxisMotion<double>> samples, std::span<double> out) {
+void measure_travel(const Sampler& sampler, std::span<AxisMotion> samples, std::span<double> out) {
   const auto joints = sampler.joints();
   std::array<double, max_trajectory_axes> lowest{}, highest{};
   lowest.fill(std::numeric_limits<double>::infinity());
@@ -118,7 +118,7 @@ class PieceJudge {
   static constexpr std::size_t numbers = judging::numbers;
 
   /// `samples` has an entry for each axis, and `memory` `numbers` for each.
-  PieceJudge(const Sampler& sampler, const FitTolerances& tolerances, std::span<AxisMotion<double>> samples,
+  PieceJudge(const Sampler& sampler, const FitTolerances& tolerances, std::span<AxisMotion> samples,
              std::span<double> memory);
 
   /// The piece that is judged ends like this, and so does the one before it that is taken. At rest the place
@@ -144,7 +144,7 @@ class PieceJudge {
 
   const Sampler& sampler_;
   FitTolerances tolerances_;
-  std::span<AxisMotion<double>> asked_;
+  std::span<AxisMotion> asked_;
   std::span<double> travel_, min_speeds_, inverse_weights_;
   /// How far positions may be from where the curve has come to: at either end at rest, and both together.
   std::span<double> off_at_begin_, off_at_end_, off_;
@@ -156,7 +156,7 @@ class PieceJudge {
 
 template <class Sampler>
 PieceJudge<Sampler>::PieceJudge(const Sampler& sampler, const FitTolerances& tolerances,
-                                std::span<AxisMotion<double>> samples, std::span<double> memory)
+                                std::span<AxisMotion> samples, std::span<double> memory)
     : sampler_(sampler), tolerances_(tolerances), asked_(samples) {
   const std::size_t axes = samples.size();
   std::size_t taken = 0;
@@ -265,7 +265,7 @@ void PieceJudge<Sampler>::visit_shares(const JudgedPiece& judged, double u, cons
 template <class Sampler>
 double PieceJudge<Sampler>::share_of_axis(const JudgedPiece& judged, const SampledSpeed& known, std::size_t d,
                                           double position, double velocity) const {
-  const AxisMotion<double>& asked = asked_[d];
+  const AxisMotion& asked = asked_[d];
   const double share = judging::margin * judged.loosened;
   const double noise = judging::noise_of(asked.position, asked.velocity, way_seconds(known.speed)) + off_[d];
   const double of_position = judging::share_of(std::fabs(position - asked.position) - noise,

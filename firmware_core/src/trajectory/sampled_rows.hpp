@@ -22,7 +22,7 @@ struct SampledRow {
   double* values = nullptr;
 };
 
-inline void write_row(std::span<const AxisMotion<double>> motion, double* out) {
+inline void write_row(std::span<const AxisMotion> motion, double* out) {
   const std::size_t axes = motion.size();
   for (std::size_t d = 0; d < axes; ++d) {
     out[d] = motion[d].position;
@@ -45,7 +45,7 @@ class SampledRows {
   static constexpr std::size_t numbers = (kept + 1) * row_numbers;
 
   /// `samples` has an entry for each axis, and `memory` `numbers` for each.
-  SampledRows(const Sampler& sampler, std::span<AxisMotion<double>> samples, std::span<double> memory)
+  SampledRows(const Sampler& sampler, std::span<AxisMotion> samples, std::span<double> memory)
       : sampler_(&sampler), samples_(samples) {
     const std::size_t row = row_numbers * samples.size();
     for (std::size_t i = 0; i < kept; ++i) slots_[i].row.values = &memory[i * row];
@@ -59,7 +59,7 @@ class SampledRows {
     for (Slot& slot : slots_) slot.level = nothing;
   }
   /// The place `index` 2^-level of the stretch.
-  [[nodiscard]] FrameTime<double> time(int level, std::uint64_t index) const {
+  [[nodiscard]] FrameTime time(int level, std::uint64_t index) const {
     if (index == 0) return from_;
     if (index == std::uint64_t{1} << level) return to_->time;
     return moved_by(from_, frames_ * std::ldexp(1.0, -level) * static_cast<double>(index));
@@ -96,11 +96,11 @@ class SampledRows {
   }
 
   const Sampler* sampler_;
-  std::span<AxisMotion<double>> samples_;
+  std::span<AxisMotion> samples_;
   std::array<Slot, kept> slots_;
   Slot middle_;
   typename Sampler::Known known_;
-  FrameTime<double> from_;
+  FrameTime from_;
   const Joint* to_ = nullptr;
   double frames_ = 0;
 };

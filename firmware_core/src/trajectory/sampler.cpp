@@ -9,16 +9,16 @@ namespace inbetween {
 namespace {
 
 /// A drawn curve on a path without length: nothing moves, whatever is drawn.
-bool stands(const Track<double>& track) {
+bool stands(const Track& track) {
   return track.has_profile() && !(track.arc_length().total() > 0);
 }
 
-SampledSpeed sample_standing(const Track<double>& track, std::span<AxisMotion<double>> out) {
+SampledSpeed sample_standing(const Track& track, std::span<AxisMotion> out) {
   for (std::size_t d = 0; d < out.size(); ++d) out[d] = {.position = track.path().segment(0)[d].c0};
   return {};
 }
 
-std::span<const SampledJoint> ends_of(const Track<double>& track, std::span<SampledJoint> memory) {
+std::span<const SampledJoint> ends_of(const Track& track, std::span<SampledJoint> memory) {
   if (memory.size() < 2) return {};
   memory[0] = {};
   memory[0].key = 0;
@@ -28,28 +28,27 @@ std::span<const SampledJoint> ends_of(const Track<double>& track, std::span<Samp
   return memory.first(2);
 }
 
-SampledSpeed at_joint(const Track<double>& track, const SampledJoint& joint, const DrawnPlace& place,
-                      bool arriving, std::span<AxisMotion<double>> out) {
+SampledSpeed at_joint(const Track& track, const SampledJoint& joint, const DrawnPlace& place, bool arriving,
+                      std::span<AxisMotion> out) {
   SampledSegment known;
   SampledSpeed result = sample_drawn(track, joint.time, place, arriving, known, out);
   result.off = std::max(result.off, joint.passed_by);
   return result;
 }
 
-bool is_constant(std::span<const Cubic<double>> cubics) {
-  return std::all_of(cubics.begin(), cubics.end(), [](const Cubic<double>& cubic) {
-    return cubic.c1 == 0 && cubic.c2 == 0 && cubic.c3 == 0;
-  });
+bool is_constant(std::span<const Cubic> cubics) {
+  return std::all_of(cubics.begin(), cubics.end(),
+                     [](const Cubic& cubic) { return cubic.c1 == 0 && cubic.c2 == 0 && cubic.c3 == 0; });
 }
 
 }  // namespace
 
-std::size_t max_joints(const Track<double>& track) {
+std::size_t max_joints(const Track& track) {
   if (!track.has_profile()) return max_framed_joints(track);
   return stands(track) ? 2 : max_drawn_joints(track);
 }
 
-Result<TrackSampler> TrackSampler::make(const Track<double>& track, std::span<SampledJoint> joints) {
+Result<TrackSampler> TrackSampler::make(const Track& track, std::span<SampledJoint> joints) {
   const std::span<const SampledJoint> settled = !track.has_profile() ? framed_joints(track, joints)
                                                 : stands(track)      ? ends_of(track, joints)
                                                                      : drawn_joints(track, joints);
@@ -72,37 +71,37 @@ bool TrackSampler::rests_behind(const SampledJoint& joint) const {
     return is_constant(track_->path().segment(joint.point_after.segment).first(axes));
   }
   if (stands(*track_)) return true;
-  const SpeedSpan<double>& span = track_->profile().span(joint.curve_after.span);
+  const SpeedSpan& span = track_->profile().span(joint.curve_after.span);
   return span.b0 == 0 && span.b1 == 0 && span.b2 == 0 && span.b3 == 0;
 }
 
-SampledSpeed TrackSampler::sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+SampledSpeed TrackSampler::sample(const FrameTime& time, std::span<AxisMotion> out) const {
   SampledSegment known;
   return sample(time, known, out);
 }
 
-SampledSpeed TrackSampler::sample(const FrameTime<double>& time, SampledSegment& known,
-                                  std::span<AxisMotion<double>> out) const {
+SampledSpeed TrackSampler::sample(const FrameTime& time, SampledSegment& known,
+                                  std::span<AxisMotion> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, time, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   return sample_drawn(*track_, time, known, out);
 }
 
-SampledSpeed TrackSampler::arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
+SampledSpeed TrackSampler::arriving(const SampledJoint& joint, std::span<AxisMotion> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, joint.point_before.segment, 1, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   const DrawnPlace place{joint.curve_before, joint.constant_before, joint.point_before};
   return at_joint(*track_, joint, place, true, out);
 }
 
-SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const {
+SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMotion> out) const {
   if (!track_->has_profile()) return sample_framed(*track_, joint.point_after.segment, 0, out);
   if (stands(*track_)) return sample_standing(*track_, out);
   const DrawnPlace place{joint.curve_after, joint.constant_after, joint.point_after};
   return at_joint(*track_, joint, place, false, out);
 }
 
-void TrackSampler::write_reach(const PathPoint<double>& point, double way, std::span<double> out) const {
+void TrackSampler::write_reach(const PathPoint& point, double way, std::span<double> out) const {
   write_reach_along(*track_, point, way, out);
 }
 

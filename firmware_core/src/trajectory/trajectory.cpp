@@ -27,8 +27,7 @@ struct MotionWeights {
         acceleration(hermite_weights<Degree, 2>(u, seconds)),
         jerk(hermite_weights<Degree, 3>(u, seconds)) {}
 
-  [[nodiscard]] INBETWEEN_PART_OF_CLONES AxisMotion<double> motion(const PieceRows& rows,
-                                                                   std::size_t d) const {
+  [[nodiscard]] INBETWEEN_PART_OF_CLONES AxisMotion motion(const PieceRows& rows, std::size_t d) const {
     constexpr std::size_t known = known_of(Degree);
     return {rows.begin[d] + sum_of<known>(position, rows, d), sum_of<known>(velocity, rows, d),
             sum_of<known>(acceleration, rows, d), sum_of<known>(jerk, rows, d)};
@@ -37,7 +36,7 @@ struct MotionWeights {
 
 template <std::size_t Degree>
 INBETWEEN_PROCESSOR_CLONES void write_motion_on(const PieceRows& rows, double u, double seconds,
-                                                AxisMotion<double>* out) {
+                                                AxisMotion* out) {
   const MotionWeights<Degree> weights(u, seconds);
   for (std::size_t d = 0; d < rows.axes; ++d) out[d] = weights.motion(rows, d);
 }
@@ -104,14 +103,14 @@ Result<Trajectory> Trajectory::make(const TrajectoryContents& contents, std::spa
   return trajectory;
 }
 
-Trajectory Trajectory::part(const FrameTime<double>& first, const FrameTime<double>& last) const {
+Trajectory Trajectory::part(const FrameTime& first, const FrameTime& last) const {
   Trajectory result = *this;
   result.begin_ = first;
   result.end_ = last;
   return result;
 }
 
-std::size_t Trajectory::piece_at(const FrameTime<double>& time) const {
+std::size_t Trajectory::piece_at(const FrameTime& time) const {
   const auto bucket =
       static_cast<std::size_t>(frames_between(pieces_.front().begin, time) * buckets_per_frame_);
   std::size_t piece = buckets_[std::min(bucket, buckets_.size() - 1)];
@@ -125,8 +124,8 @@ std::size_t Trajectory::piece_at(const FrameTime<double>& time) const {
   return piece;
 }
 
-void Trajectory::positions(const FrameTime<double>& time, std::span<double> out) const {
-  FrameTime<double> at = time;
+void Trajectory::positions(const FrameTime& time, std::span<double> out) const {
+  FrameTime at = time;
   if (!(begin_ <= at && at < end_)) [[unlikely]]
     at = at < begin_ ? begin_ : end_;
   if (!(at < end_of_pieces_)) [[unlikely]] {
@@ -143,9 +142,9 @@ void Trajectory::positions(const FrameTime<double>& time, std::span<double> out)
   for (std::size_t d = 0; d < axis_count_; ++d) out[d] = clipped(out[d], rows, d);
 }
 
-Trajectory::Look Trajectory::look_at(const FrameTime<double>& time) const {
+Trajectory::Look Trajectory::look_at(const FrameTime& time) const {
   const bool is_outside = time < begin_ || end_ < time;
-  const FrameTime<double> at = is_outside ? (time < begin_ ? begin_ : end_) : time;
+  const FrameTime at = is_outside ? (time < begin_ ? begin_ : end_) : time;
   std::size_t index = at < end_of_pieces_ ? piece_at(at) : pieces_.size() - 1;
   if (at == end_ && index > 0 && pieces_[index].begin == at) --index;
   const TrajectoryPiece& piece = pieces_[index];
@@ -154,14 +153,14 @@ Trajectory::Look Trajectory::look_at(const FrameTime<double>& time) const {
   return {&piece, u, is_at_end, is_outside};
 }
 
-AxisMotion<double> Trajectory::settled(AxisMotion<double> motion, const Look& look, std::size_t axis) const {
+AxisMotion Trajectory::settled(AxisMotion motion, const Look& look, std::size_t axis) const {
   const PieceRows rows = rows_of(*look.piece, values_, axis_count_);
   if (look.is_at_end) motion.position = rows.end[axis];
   if (keeps_to_joints_) motion.position = clipped(motion.position, rows, axis);
-  return look.is_outside ? AxisMotion<double>{.position = motion.position} : motion;
+  return look.is_outside ? AxisMotion{.position = motion.position} : motion;
 }
 
-void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const {
+void Trajectory::motion(const FrameTime& time, std::span<AxisMotion> out) const {
   const Look look = look_at(time);
   const TrajectoryPiece& piece = *look.piece;
   const PieceRows rows = rows_of(piece, values_, axis_count_);
@@ -170,11 +169,11 @@ void Trajectory::motion(const FrameTime<double>& time, std::span<AxisMotion<doub
   for (std::size_t d = 0; d < axis_count_; ++d) out[d] = settled(out[d], look, d);
 }
 
-AxisMotion<double> Trajectory::motion_of(std::size_t axis, const FrameTime<double>& time) const {
+AxisMotion Trajectory::motion_of(std::size_t axis, const FrameTime& time) const {
   const Look look = look_at(time);
   const TrajectoryPiece& piece = *look.piece;
   const PieceRows rows = rows_of(piece, values_, axis_count_);
-  AxisMotion<double> motion;
+  AxisMotion motion;
   with_degree(piece.degree,
               [&](auto degree) { motion = MotionWeights<degree>(look.u, piece.seconds).motion(rows, axis); });
   return settled(motion, look, axis);

@@ -218,7 +218,7 @@ class TrajectoryBuilder {
     ++pieces_;
   }
   /// It begins with `row_`, and its end is known so well.
-  [[nodiscard]] TrajectoryPiece piece_between(const FrameTime<double>& begin, const FrameTime<double>& end,
+  [[nodiscard]] TrajectoryPiece piece_between(const FrameTime& begin, const FrameTime& end,
                                               std::uint8_t end_order) const {
     const double frames = frames_between(begin, end);
     return {.begin = begin,
@@ -261,7 +261,7 @@ class TrajectoryBuilder {
   const Sampler& sampler_;
   TrajectoryMemory memory_;
   std::size_t axes_;
-  std::span<AxisMotion<double>> here_, there_;
+  std::span<AxisMotion> here_, there_;
   std::span<double> here_row_;
   Rows rows_;
   Judge judge_;

@@ -60,7 +60,7 @@ struct StepPlayerOnVirtualTime : StepPlayerTest {
   void SetUp() override {
     if (!is_on_virtual_time()) GTEST_SKIP() << "run it alone";
     StepPlayerTest::SetUp();
-    // Real-time threads wake up when they should, and are not put off by one another.
+    // double-time threads wake up when they should, and are not put off by one another.
     std::ofstream("/proc/sys/kernel/sched_rt_runtime_us") << "-1";
     const sched_param priority{.sched_priority = 10};
     ASSERT_EQ(::sched_setscheduler(0, SCHED_FIFO, &priority), 0);

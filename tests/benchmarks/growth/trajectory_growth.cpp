@@ -50,7 +50,7 @@ struct Growth {
 
 /// Through random keys at an even speed; the sharper the corner in the middle, the nearer its path comes to
 /// turning back where it came from.
-SolvedTrack<double> solved_track(const Size& size) {
+SolvedTrack solved_track(const Size& size) {
   std::mt19937 random(1989);
   std::uniform_real_distribution<double> coordinate(0.0, 100.0);
   std::vector<double> at;
@@ -66,11 +66,11 @@ SolvedTrack<double> solved_track(const Size& size) {
     }
   }
   const std::vector<double> speed{0, 0, 10, 12, 10, 0, 0};
-  const TrackSpec<double> spec{.path = {.axis_count = size.axes, .keys = at},
-                               .control_values = speed,
-                               .frames = size.frames,
-                               .fps = {24, 1},
-                               .arc_length = {}};
+  const TrackSpec spec{.path = {.axis_count = size.axes, .keys = at},
+                       .control_values = speed,
+                       .frames = size.frames,
+                       .fps = {24, 1},
+                       .arc_length = {}};
   return {spec, Solver::closed_form};
 }
 
@@ -78,7 +78,7 @@ double microseconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count();
 }
 
-Measured measured(double size, const SolvedTrack<double>& solved) {
+Measured measured(double size, const SolvedTrack& solved) {
   const FittedTrajectory fitted(solved.track());
   const SampledTrack sampled(solved.track());
   TrajectoryFitter fitter;
@@ -186,7 +186,7 @@ void print_table(const std::vector<Growth>& growths) {
   fmt::print("\n");
 }
 
-FrameTime<double> time_at(double frame) {
+FrameTime time_at(double frame) {
   const double whole = std::floor(frame);
   return {static_cast<std::int32_t>(whole), frame - whole};
 }
@@ -196,9 +196,9 @@ struct Misses {
   std::vector<double> frames, positions, velocities;
 };
 Misses misses_of(const FittedTrajectory& fitted) {
-  std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
+  std::vector<AxisPeaks> peaks(fitted->axis_count());
   bound_trajectory(*fitted, peaks);
-  std::vector<AxisMotion<double>> asked(peaks.size()), played(peaks.size());
+  std::vector<AxisMotion> asked(peaks.size()), played(peaks.size());
   Misses misses;
   const double end = fitted->end().frame;
   constexpr int places = 1200;
@@ -236,7 +236,7 @@ void draw_trajectory(const std::filesystem::path& file) {
       fmt::format("{} pieces, each from one point to the next; every axis from its lowest to its highest",
                   fitted->pieces().size()),
       wide);
-  std::vector<AxisPeaks<double>> peaks(fitted->axis_count());
+  std::vector<AxisPeaks> peaks(fitted->axis_count());
   bound_trajectory(*fitted, peaks);
   draw_bottom_ticks(canvas, above, x);
   std::vector<double> positions(peaks.size());

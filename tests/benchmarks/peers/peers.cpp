@@ -30,7 +30,7 @@ namespace inbetween {
 namespace {
 
 constexpr std::size_t axes = 2;
-constexpr double delta = Precision<double>::default_delta;
+constexpr double delta = Precision::default_delta;
 /// A table is computed again and again for so long, and the least time is taken.
 constexpr double seconds_measured = 0.3;
 /// Who travels every step within delta is nowhere this far from the drawn place, in mean steps: a peer that
@@ -39,7 +39,7 @@ constexpr double max_deviation_in_steps = 1e-2;
 
 /// The positions on all frames, axis after axis, from the keys on.
 void solve(Subject& subject, std::span<double> positions) {
-  const Track<double> track = subject.make_track();
+  const Track track = subject.make_track();
   track.path().positions(subject.closed_form_of(track).points(), positions);
 }
 
@@ -59,15 +59,15 @@ double min_seconds_of(Subject& subject, std::span<double> positions) {
 /// table is, to delta of every step: what none of them offers is not held against them. The file has numbers
 /// apart by white space: seconds to measure, the accuracy of a distance, the number of segments, of each its
 /// four Bezier points, the number of distances, and these, which rise.
-void write_curve_file(const std::string& file, const Track<double>& track) {
-  const Path<double>& path = track.path();
+void write_curve_file(const std::string& file, const Track& track) {
+  const Path& path = track.path();
   std::ofstream out(file);
   const double accuracy = delta * track.arc_length().total() / path.segment_count();
   fmt::print(out, "{} {}\n{}\n", seconds_measured, accuracy, path.segment_count());
   for (std::int32_t i = 0; i < path.segment_count(); ++i) {
     std::array<std::array<double, axes>, 4> points{};
     for (std::size_t d = 0; d < axes; ++d) {
-      const Cubic<double>& c = path.segment(i)[d];
+      const Cubic& c = path.segment(i)[d];
       points[0][d] = c.c0;
       points[1][d] = c.c0 + c.c1 / 3;
       points[2][d] = c.c0 + (2 * c.c1 + c.c2) / 3;
@@ -134,7 +134,7 @@ void measure(std::span<const Peer> peers) {
     Subject subject = subject_of(frames, axes);
     std::vector<double> positions(axes * (static_cast<std::size_t>(frames) + 1));
     const double ours = min_seconds_of(subject, positions);
-    const Track<double> track = subject.make_track();
+    const Track track = subject.make_track();
     const TemporaryFolder folder;
     const std::string curve_file = folder.path() / "curve.txt";
     write_curve_file(curve_file, track);

@@ -2,7 +2,7 @@
 
 namespace inbetween::embedded {
 
-/// Prints a line in each precision: hashes of sines, and of the poses, Jacobians and motion of a crane.
+/// Prints a line: hashes of sines, and of the poses, Jacobians and motion of a crane.
 void report_joints();
 
 }  // namespace inbetween::embedded

@@ -28,7 +28,7 @@ struct Move {
   std::int32_t axis_count = 1;
   std::span<const double> keys;
   std::span<const double> weights = {};
-  std::span<const KeyShape<double>> shapes = {};
+  std::span<const KeyShape> shapes = {};
   std::span<const double> lap = {};
   std::span<const double> speed = {};
   CurveEnds ends = CurveEnds::natural;
@@ -54,7 +54,7 @@ inline constexpr std::array loop_speed{5.0, 9.0, 2.0, 5.0};
 
 inline constexpr std::array shaped_keys{0.0,  0.0,  5.0, 22.0, 34.0, 1.0,  50.0, 40.0, -7.0,
                                         70.0, 14.0, 3.0, 96.0, 8.0,  12.0, 124., 30.0, 0.0};
-inline constexpr std::array<KeyShape<double>, 6> shapes{
+inline constexpr std::array<KeyShape, 6> shapes{
     {{0.3, -0.2, 0.5}, {-0.7, 0.4, 0.1}, {0.0, 1.0, -1.0}, {0.9, 0.0, 0.0}, {0.2, 0.2, 0.2}, {0, 0, 0}}};
 inline constexpr std::array shaped_speed{1.0, 8.0, 20.0, 25.0, 20.0, 8.0, 1.0};
 
@@ -62,7 +62,7 @@ inline constexpr std::array corner_keys{0.0, 0.0, 10.0, 0.0, 10.0, 7.5, -3.0, 7.
 inline constexpr std::array steady_speed{10.0};
 
 /// A tension of 1 at every key: the path stands still there.
-inline constexpr std::array<KeyShape<double>, 4> tense_shapes{{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}}};
+inline constexpr std::array<KeyShape, 4> tense_shapes{{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}}};
 inline constexpr std::array tense_keys{0.0, 0.0, 33.0, 21.0, 50.0, -10.0, 80.0, 5.0};
 inline constexpr std::array tense_speed{0.0, 0.0, 7.0, 11.0, 3.0, 0.0, 0.0};
 

@@ -13,21 +13,20 @@
 namespace inbetween::embedded {
 namespace {
 
-template <Precise Real>
-void print_bounds(const PlayedMove<Real>& played) {
+void print_bounds(const PlayedMove& played) {
   Fnv1a cells;
-  for (const StopCell<Real>& cell : played.cells()) {
-    for (const Real bound : {cell.rate_change, cell.rate_jerk, cell.release_jerk}) cells.add(bound);
+  for (const StopCell& cell : played.cells()) {
+    for (const double bound : {cell.rate_change, cell.rate_jerk, cell.release_jerk}) cells.add(bound);
   }
   print_hash("cells", cells.value());
   Fnv1a longest;
-  for (const LongestStop<Real>& stop :
-       {played.bounds().longest_in_time(), played.bounds().longest_in_frames()}) {
-    for (const Real number : {stop.length.seconds, stop.length.frames, stop.from_frame}) longest.add(number);
+  for (const LongestStop& stop : {played.bounds().longest_in_time(), played.bounds().longest_in_frames()}) {
+    for (const double number : {stop.length.seconds, stop.length.frames, stop.from_frame})
+      longest.add(number);
     longest.add(static_cast<std::int32_t>(stop.forward));
   }
-  for (const AxisPeaks<Real>& axis : played.stop_peaks()) {
-    for (const Peak<Real>& peak : {axis.velocity, axis.acceleration, axis.jerk}) {
+  for (const AxisPeaks& axis : played.stop_peaks()) {
+    for (const Peak& peak : {axis.velocity, axis.acceleration, axis.jerk}) {
       longest.add(peak.value);
       longest.add(peak.frame);
     }
@@ -36,10 +35,9 @@ void print_bounds(const PlayedMove<Real>& played) {
 }
 
 /// What somebody does with a move, and where that brings it on every tick.
-template <Precise Real>
 class PlaySession {
  public:
-  PlaySession(const PlayedMove<Real>& played, const Move& move)
+  PlaySession(const PlayedMove& played, const Move& move)
       : played_(played), move_(move), playhead_(played.move(), played.bounds(), move.rate_hz) {}
 
   /// False where a command is refused, or something does not come to rest.
@@ -50,13 +48,13 @@ class PlaySession {
     playhead_.stop();
     is_well = is_well && ticks_until_rest() && playhead_.play(Direction::forward);
     ticks(move_.rate_hz / 3);
-    is_well = is_well && playhead_.set_override(Real(0.4));
+    is_well = is_well && playhead_.set_override(0.4);
     ticks(move_.rate_hz / 2);
     is_well = is_well && playhead_.set_override(1) && playhead_.play(Direction::backward);
     ticks(move_.rate_hz / 4);
     is_well = is_well && playhead_.go_to(middle) && ticks_until_rest() && is_on(middle);
     is_well = is_well && playhead_.step(Direction::backward) && ticks_until_rest() && is_on(middle - 1);
-    is_well = is_well && playhead_.scrub_to({middle + middle / 2, Real(0.375)});
+    is_well = is_well && playhead_.scrub_to({middle + middle / 2, 0.375});
     ticks(move_.rate_hz);
     playhead_.stop();
     is_well = is_well && ticks_until_rest();
@@ -89,55 +87,45 @@ class PlaySession {
     places_.add(playhead_.time().fraction);
     places_.add(playhead_.rate());
     places_.add(playhead_.rate_change());
-    std::array<Real, max_axes> at{};
+    std::array<double, max_axes> at{};
     played_.positions(playhead_.time(), std::span(at).first(played_.move().axis_count()));
-    for (const Real position : at) positions_.add(position);
+    for (const double position : at) positions_.add(position);
   }
   [[nodiscard]] bool is_on(std::int32_t frame) const {
     return playhead_.time().frame == frame && playhead_.time().fraction == 0;
   }
 
-  const PlayedMove<Real>& played_;
+  const PlayedMove& played_;
   const Move& move_;
-  Playhead<Real> playhead_;
+  Playhead playhead_;
   std::int64_t repeats_ = 0;
   Fnv1a places_, positions_;
 };
 
-template <Precise Real>
-void report(const Move& move) {
-  static SolvedMove<Real> solved;
-  static SolvedMove<double> wide_solved;
-  static PlayedMove<Real> played;
-  const Result<Track<Real>> track = solved.solve(move);
-  if (!track) return fail(name_of<Real>, move, track.error());
-  const Result<Track<double>> wide = wide_solved.solve(move);
-  if (!wide) return fail(name_of<Real>, move, wide.error());
-  if (const Status made = played.make(*track, *wide, move.rate_hz); !made) {
-    return fail(name_of<Real>, move, made.error());
+}  // namespace
+
+void report_play(const Move& move) {
+  static SolvedMove solved;
+  static PlayedMove played;
+  const Result<Track> track = solved.solve(move);
+  if (!track) return fail("double", move, track.error());
+  if (const Status made = played.make(*track, move.rate_hz); !made) {
+    return fail("double", move, made.error());
   }
-  print(name_of<Real>);
-  print("_stops ");
+  print("double_stops ");
   print(move.name);
   print_bounds(played);
-  PlaySession<Real> session(played, move);
+  PlaySession session(played, move);
   const bool is_well = session.play();
   print_hash("places", session.places());
   print_hash("positions", session.positions());
   print("\n");
   if (!is_well) {
-    fail(name_of<Real>, move,
+    fail("double", move,
          {.code = ErrorCode::no_solution,
           .what = "a command was refused, or there was no rest",
           .remedy = "see PlaySession::play"});
   }
-}
-
-}  // namespace
-
-void report_play(const Move& move) {
-  report<float>(move);
-  report<double>(move);
 }
 
 }  // namespace inbetween::embedded

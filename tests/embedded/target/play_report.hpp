@@ -4,7 +4,7 @@
 
 namespace inbetween::embedded {
 
-/// Prints a line in each precision: hashes of the bounds of the move's stops and of a session of its
+/// Prints a line: hashes of the bounds of the move's stops and of a session of its
 /// playhead.
 void report_play(const Move& move);
 

@@ -17,43 +17,43 @@
 
 namespace inbetween::embedded {
 
-/// What a move does, in double: its peaks, and its cells on such a rig.
+/// What a move does: its peaks, and its cells on such a rig.
 class ProvenMove {
  public:
   static constexpr std::size_t cells = 256;
 
   /// The peaks without rolls.
-  Status bound(const Track<double>& track) {
+  Status bound(const Track& track) {
     track_ = track;
     return bound({}, 0);
   }
   /// With a roll of so many frames at either end, or 0.
   Status bound_in_cells(std::int32_t before, std::int32_t after) {
-    MoveRolls<double> rolls;
+    MoveRolls rolls;
     if (const Status made = make_roll(RollEnd::before, before, before_, rolls.before); !made) return made;
     if (const Status made = make_roll(RollEnd::after, after, after_, rolls.after); !made) return made;
     return bound(rolls, cells);
   }
-  [[nodiscard]] std::span<const AxisPeaks<double>> peaks() const { return bounds_.peaks; }
+  [[nodiscard]] std::span<const AxisPeaks> peaks() const { return bounds_.peaks; }
   [[nodiscard]] const MotionCells& motion() const { return bounds_.cells; }
   [[nodiscard]] std::span<MotionTriple> room() { return storage_.room; }
 
  private:
-  Status bound(const MoveRolls<double>& rolls, std::size_t count) {
-    const auto move = inbetween::Move<double>::make(std::span<const Track<double>>(&*track_, 1), rolls);
+  Status bound(const MoveRolls& rolls, std::size_t count) {
+    const auto move = inbetween::Move::make(std::span<const Track>(&*track_, 1), rolls);
     if (!move) return move.error();
     bounds_ = storage_.bounds(*move, count);
     return bound_move(*move, {&*track_, 1}, {}, {}, storage_.memory(), bounds_);
   }
-  Status make_roll(RollEnd end, std::int32_t frames, std::span<RollAxis<double>> memory,
-                   std::span<const RollAxis<double>>& out) {
+  Status make_roll(RollEnd end, std::int32_t frames, std::span<RollAxis> memory,
+                   std::span<const RollAxis>& out) {
     if (frames == 0) return Done{};
     const auto axes = static_cast<std::size_t>(track_->path().axis_count());
-    std::array<AxisMotion<double>, max_axes> joints;
-    joints_of<double>({&*track_, 1}, end, joints);
+    std::array<AxisMotion, max_axes> joints;
+    joints_of({&*track_, 1}, end, joints);
     const std::int32_t joint_frame = end == RollEnd::before ? 0 : track_->frames();
     for (std::size_t d = 0; d < axes; ++d) {
-      const auto roll = RollAxis<double>::make({end, joint_frame, frames, track_->frame_rate()}, joints[d]);
+      const auto roll = RollAxis::make({end, joint_frame, frames, track_->frame_rate()}, joints[d]);
       if (!roll) return roll.error();
       memory[d] = *roll;
     }
@@ -61,27 +61,26 @@ class ProvenMove {
     return Done{};
   }
 
-  std::optional<Track<double>> track_;
-  std::array<RollAxis<double>, max_axes> before_, after_;
+  std::optional<Track> track_;
+  std::array<RollAxis, max_axes> before_, after_;
   MoveBoundsStorage<max_axes, 1000, 400, 60, cells> storage_;
   MoveBounds bounds_;
 };
 
-template <Precise Real>
 class PlayedMove {
  public:
-  /// The same move in both precisions. The memory of the tracks is the caller's.
-  Status make(const Track<Real>& track, const Track<double>& wide, std::int32_t rate_hz) {
+  /// The memory of the track is the caller's.
+  Status make(const Track& track, std::int32_t rate_hz) {
     track_ = track;
     rate_hz_ = rate_hz;
     axes_ = static_cast<std::size_t>(track.path().axis_count());
-    if (const Status proven = proven_.bound(wide); !proven) return proven;
+    if (const Status proven = proven_.bound(track); !proven) return proven;
     if (const Status limited = make_limits(); !limited) return limited;
-    MoveRolls<Real> rolls;
+    MoveRolls rolls;
     for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
       if (const Status rolled = make_rolls(end, rolls); !rolled) return rolled;
     }
-    const auto move = inbetween::Move<Real>::make(std::span<const Track<Real>>(&*track_, 1), rolls);
+    const auto move = inbetween::Move::make(std::span<const Track>(&*track_, 1), rolls);
     if (!move) return move.error();
     move_ = *move;
     if (const Status proven = prove(); !proven) return proven;
@@ -89,64 +88,61 @@ class PlayedMove {
   }
   /// Anew, for a move that has been made: what it does, in cells.
   Status prove() {
-    const auto length = [](std::span<const RollAxis<Real>> roll) {
+    const auto length = [](std::span<const RollAxis> roll) {
       return roll.empty() ? 0 : roll.front().span().frames;
     };
-    write_room<Real>(limits(), 1, Real{1} / static_cast<Real>(rate_hz_), proven_.room());
+    write_room(limits(), 1, 1.0 / static_cast<double>(rate_hz_), proven_.room());
     return proven_.bound_in_cells(length(move_->rolls().before), length(move_->rolls().after));
   }
   /// Once, from what was proven.
   Status make_bounds() {
-    const StopRequest<Real> request{.motion = proven_.motion(),
-                                    .limits = limits(),
-                                    .tick_seconds = Real{1} / static_cast<Real>(rate_hz_)};
-    const auto bounds = StopBounds<Real>::make(request, stops_, std::span(stop_peaks_).first(axes_));
+    const StopRequest request{
+        .motion = proven_.motion(), .limits = limits(), .tick_seconds = 1.0 / static_cast<double>(rate_hz_)};
+    const auto bounds = StopBounds::make(request, stops_, std::span(stop_peaks_).first(axes_));
     if (!bounds) return bounds.error();
     bounds_ = *bounds;
     return Done{};
   }
 
-  [[nodiscard]] const inbetween::Move<Real>& move() const { return *move_; }
-  void positions(const FrameTime<Real>& time, std::span<Real> out) const {
-    const std::span<const RollAxis<Real>> rolls = move_->rolls_at(time);
+  [[nodiscard]] const inbetween::Move& move() const { return *move_; }
+  void positions(const FrameTime& time, std::span<double> out) const {
+    const std::span<const RollAxis> rolls = move_->rolls_at(time);
     for (std::size_t d = 0; d < rolls.size(); ++d) out[d] = rolls[d].motion(time).position;
     if (rolls.empty()) track_->positions(move_->within_part(time), out);
   }
-  [[nodiscard]] const StopBounds<Real>& bounds() const { return *bounds_; }
-  [[nodiscard]] std::span<const StopCell<Real>> cells() const { return stops_; }
-  [[nodiscard]] std::span<const AxisPeaks<Real>> stop_peaks() const {
-    return std::span(stop_peaks_).first(axes_);
-  }
-  [[nodiscard]] std::span<const AxisLimits<Real>> limits() const { return std::span(limits_).first(axes_); }
+  [[nodiscard]] const StopBounds& bounds() const { return *bounds_; }
+  [[nodiscard]] std::span<const StopCell> cells() const { return stops_; }
+  [[nodiscard]] std::span<const AxisPeaks> stop_peaks() const { return std::span(stop_peaks_).first(axes_); }
+  [[nodiscard]] std::span<const AxisLimits> limits() const { return std::span(limits_).first(axes_); }
 
  private:
   Status make_limits() {
-    constexpr auto room = Real(1.25);
-    constexpr auto anywhere = Real(1e4);
+    constexpr auto room = 1.25;
+    constexpr auto anywhere = 1e4;
     for (std::size_t d = 0; d < axes_; ++d) {
-      const AxisPeaks<double>& peaks = proven_.peaks()[d];
-      const auto above = [&](const Peak<double>& peak) { return room * static_cast<Real>(peak.value); };
-      const auto axis = AxisLimits<Real>::make({.min = -anywhere,
-                                                .max = anywhere,
-                                                .max_velocity = above(peaks.velocity),
-                                                .max_acceleration = above(peaks.acceleration),
-                                                .max_jerk = above(peaks.jerk)});
+      const AxisPeaks& peaks = proven_.peaks()[d];
+      const auto above = [&](const Peak& peak) { return room * static_cast<double>(peak.value); };
+      const auto axis = AxisLimits::make({.min = -anywhere,
+                                          .max = anywhere,
+                                          .max_velocity = above(peaks.velocity),
+                                          .max_acceleration = above(peaks.acceleration),
+                                          .max_jerk = above(peaks.jerk)});
       if (!axis) return axis.error();
       limits_[d] = *axis;
     }
     return Done{};
   }
-  Status make_rolls(RollEnd end, MoveRolls<Real>& rolls) {
+  Status make_rolls(RollEnd end, MoveRolls& rolls) {
     const bool is_before = end == RollEnd::before;
-    const std::span<AxisMotion<Real>> joints = std::span(joints_).first(axes_);
-    if (!joints_of<Real>({&*track_, 1}, end, joints)) return Done{};
+    const std::span<AxisMotion> joints = std::span(joints_).first(axes_);
+    if (!joints_of({&*track_, 1}, end, joints)) return Done{};
     RollSpan span{.end = end, .joint_frame = is_before ? 0 : track_->frames(), .fps = track_->frame_rate()};
-    const auto frames = roll_frames<Real>({end, span.joint_frame, span.fps, joints, limits()});
+    const auto frames = roll_frames({end, span.joint_frame, span.fps, joints, limits()});
     if (!frames) return frames.error();
     span.frames = *frames;
-    const std::span<RollAxis<Real>> axes = std::span(is_before ? before_ : after_).first(axes_);
+    const std::span<RollAxis> axes = std::span(is_before ? before_ : after_).first(axes_);
     for (std::size_t d = 0; d < axes_; ++d) {
-      const auto roll = RollAxis<Real>::make(span, joints[d]);
+      const auto roll = RollAxis::make(span, joints[d]);
       if (!roll) return roll.error();
       axes[d] = *roll;
     }
@@ -154,17 +150,17 @@ class PlayedMove {
     return Done{};
   }
 
-  static AxisLimits<Real> no_limits() { return *AxisLimits<Real>::make({0, 1, 1, 1}); }
+  static AxisLimits no_limits() { return *AxisLimits::make({0, 1, 1, 1}); }
 
-  std::optional<Track<Real>> track_;
-  std::optional<inbetween::Move<Real>> move_;
-  std::optional<StopBounds<Real>> bounds_;
+  std::optional<Track> track_;
+  std::optional<inbetween::Move> move_;
+  std::optional<StopBounds> bounds_;
   std::size_t axes_ = 0;
-  std::array<AxisLimits<Real>, max_axes> limits_{no_limits(), no_limits(), no_limits()};
-  std::array<AxisPeaks<Real>, max_axes> stop_peaks_;
-  std::array<AxisMotion<Real>, max_axes> joints_;
-  std::array<RollAxis<Real>, max_axes> before_, after_;
-  std::array<StopCell<Real>, ProvenMove::cells + 1> stops_;
+  std::array<AxisLimits, max_axes> limits_{no_limits(), no_limits(), no_limits()};
+  std::array<AxisPeaks, max_axes> stop_peaks_;
+  std::array<AxisMotion, max_axes> joints_;
+  std::array<RollAxis, max_axes> before_, after_;
+  std::array<StopCell, ProvenMove::cells + 1> stops_;
   std::int32_t rate_hz_ = 0;
   ProvenMove proven_;
 };

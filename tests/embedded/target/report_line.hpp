@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 #include "tests/embedded/target/console.hpp"
 #include "tests/embedded/target/moves.hpp"
@@ -12,16 +11,13 @@
 
 namespace inbetween::embedded {
 
-template <Precise Real>
-inline constexpr std::string_view name_of = std::same_as<Real, double> ? "double" : "float";
-
 /// False after the first fail().
 inline bool passed = true;
 
-inline void fail(std::string_view precision, const Move& move, const Error& error) {
+inline void fail(std::string_view what, const Move& move, const Error& error) {
   passed = false;
   print("FAILED ");
-  print(precision);
+  print(what);
   print(" ");
   print(move.name);
   print(": ");

@@ -19,22 +19,21 @@
 #include "tests/embedded/target/report_line.hpp"
 #include "tests/embedded/target/solved_move.hpp"
 
-/// Solves the constant moves in both precisions, checks that each table keeps its invariants, and prints a
+/// Solves the constant moves, checks that each table keeps its invariants, and prints a
 /// hash of every table and of what every tick evaluates; and plays two of them. The test compares the lines
 /// with those of other targets.
 
 namespace inbetween::embedded {
 namespace {
 
-template <Precise Real>
-void hash_ticks(const Track<Real>& track, const Move& move) {
-  std::array<Real, max_axes> positions{};
-  std::array<AxisMotion<Real>, max_axes> motion{};
+void hash_ticks(const Track& track, const Move& move) {
+  std::array<double, max_axes> positions{};
+  std::array<AxisMotion, max_axes> motion{};
   Fnv1a position_hash;
   Fnv1a motion_hash;
   const auto axes = static_cast<std::size_t>(move.axis_count);
   for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
-    const FrameTime<Real> time = frame_time_of_tick<Real>(tick, move.fps, move.rate_hz);
+    const FrameTime time = frame_time_of_tick(tick, move.fps, move.rate_hz);
     track.positions(time, std::span(positions).first(axes));
     track.motion(time, std::span(motion).first(axes));
     for (std::size_t d = 0; d < axes; ++d) {
@@ -49,13 +48,12 @@ void hash_ticks(const Track<Real>& track, const Move& move) {
 }
 
 void hash_peaks(const Trajectory& trajectory) {
-  std::array<AxisPeaks<double>, max_axes> storage;
+  std::array<AxisPeaks, max_axes> storage;
   const auto peaks = std::span(storage).first(trajectory.axis_count());
   bound_trajectory(trajectory, peaks);
   Fnv1a hash;
-  for (const AxisPeaks<double>& axis : peaks) {
-    for (const Peak<double>& peak :
-         {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
+  for (const AxisPeaks& axis : peaks) {
+    for (const Peak& peak : {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
       hash.add(peak.value);
       hash.add(peak.frame);
     }
@@ -66,13 +64,12 @@ void hash_peaks(const Trajectory& trajectory) {
 /// What every tick evaluates of a trajectory, and of its counts.
 void hash_trajectory_ticks(const Trajectory& trajectory, CountTrajectory& counts, const Move& move) {
   const std::size_t axes = trajectory.axis_count();
-  std::array<AxisMotion<double>, max_axes> motion{};
+  std::array<AxisMotion, max_axes> motion{};
   std::array<std::int32_t, max_axes> whole{};
   Fnv1a motion_hash;
   Fnv1a count_hash;
   for (std::int64_t tick = 0; tick <= last_tick(move.frames, move.fps, move.rate_hz); ++tick) {
-    trajectory.motion(frame_time_of_tick<double>(tick, move.fps, move.rate_hz),
-                      std::span(motion).first(axes));
+    trajectory.motion(frame_time_of_tick(tick, move.fps, move.rate_hz), std::span(motion).first(axes));
     counts.counts(frame_time_of_tick<float>(tick, move.fps, move.rate_hz), std::span(whole).first(axes));
     for (std::size_t d = 0; d < axes; ++d) {
       for (const double one :
@@ -86,12 +83,12 @@ void hash_trajectory_ticks(const Trajectory& trajectory, CountTrajectory& counts
 }
 
 void report_trajectory(const Move& move) {
-  static SolvedMove<double> solved;
+  static SolvedMove solved;
   static std::array<SampledJoint, 1000> joints;
   static TrajectoryStorage<max_axes, 400, 60> fitted;
   static std::array<CountTrajectoryPiece, 600> pieces;
   static std::array<CountPolynomial, max_axes * pieces.size()> polynomials;
-  const Result<Track<double>> track = solved.solve(move);
+  const Result<Track> track = solved.solve(move);
   if (!track) return fail("trajectory", move, track.error());
   const auto sampler = TrackSampler::make(*track, joints);
   if (!sampler) return fail("trajectory", move, sampler.error());
@@ -120,21 +117,20 @@ void report_trajectory(const Move& move) {
   print("\n");
 }
 
-template <Precise Real>
 void report(const Move& move) {
-  static SolvedMove<Real> solved;
-  const Result<Track<Real>> track = solved.solve(move);
+  static SolvedMove solved;
+  const Result<Track> track = solved.solve(move);
   if (!track) {
-    fail(name_of<Real>, move, track.error());
+    fail("double", move, track.error());
     return;
   }
-  const auto table = closed_form_table<Real>(*track, solved.points());
+  const auto table = closed_form_table(*track, solved.points());
   if (!table) {
-    fail(name_of<Real>, move, table.error());
+    fail("double", move, table.error());
     return;
   }
-  if (const Status sound = check_invariants(*track, *table); !sound) fail(name_of<Real>, move, sound.error());
-  print(name_of<Real>);
+  if (const Status sound = check_invariants(*track, *table); !sound) fail("double", move, sound.error());
+  print("double");
   print(" ");
   print(move.name);
   print_hash("table", hash_of(table->points()));
@@ -144,17 +140,13 @@ void report(const Move& move) {
 
 /// What the elements of the core's memory take. `inbetween budget` computes with those of the machine that it
 /// runs on, so they must be the same everywhere.
-template <Precise Real>
 void report_sizes() {
-  print("sizes ");
-  print(name_of<Real>);
+  print("sizes double");
   for (const std::size_t size :
-       {sizeof(Cubic<Real>), sizeof(ArcPiece<Real>), sizeof(TwoSum<Real>), sizeof(SpeedSpan<Real>),
-        sizeof(PathPoint<Real>), sizeof(OdeSegment<Real>), sizeof(TrajectoryPiece),
-        sizeof(CountTrajectoryPiece), sizeof(CountPolynomial), sizeof(Portion<Real>),
-        sizeof(KeyInterval<Real>), sizeof(KeyLock), sizeof(FrameTime<Real>), sizeof(AxisMotion<Real>),
-        sizeof(RollAxis<Real>), sizeof(StopCell<Real>), sizeof(MotionTriple),
-        sizeof(Playhead<Real>) - 4 * sizeof(void*)}) {
+       {sizeof(Cubic), sizeof(ArcPiece), sizeof(TwoSum), sizeof(SpeedSpan), sizeof(PathPoint),
+        sizeof(OdeSegment), sizeof(TrajectoryPiece), sizeof(CountTrajectoryPiece), sizeof(CountPolynomial),
+        sizeof(Portion), sizeof(KeyInterval), sizeof(KeyLock), sizeof(FrameTime), sizeof(AxisMotion),
+        sizeof(RollAxis), sizeof(StopCell), sizeof(MotionTriple), sizeof(Playhead) - 4 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }
@@ -163,14 +155,14 @@ void report_sizes() {
 
 /// The paper's solver takes a million evaluations for a table; one short move shows that it is the same too.
 void report_runge_kutta(const Move& move) {
-  static SolvedMove<double> solved;
-  static std::array<OdeSegment<double>, max_keys + 1> segments;
-  const Result<Track<double>> track = solved.solve(move);
+  static SolvedMove solved;
+  static std::array<OdeSegment, max_keys + 1> segments;
+  const Result<Track> track = solved.solve(move);
   if (!track) {
     fail("runge_kutta", move, track.error());
     return;
   }
-  const auto table = runge_kutta_table<double>(*track, {}, segments, solved.points());
+  const auto table = runge_kutta_table(*track, {}, segments, solved.points());
   if (!table) {
     fail("runge_kutta", move, table.error());
     return;
@@ -184,11 +176,9 @@ void report_runge_kutta(const Move& move) {
 }  // namespace
 
 bool run() {
-  report_sizes<float>();
-  report_sizes<double>();
+  report_sizes();
   for (const Move& move : moves) {
-    report<float>(move);
-    report<double>(move);
+    report(move);
     report_trajectory(move);
   }
   report_runge_kutta(moves[1]);

@@ -23,41 +23,29 @@ using namespace inbetween;
 
 // By name, so that the disassembly can be searched for what they call (library_calls.sh).
 extern "C" {
-void tick_positions_float(const Track<float>& track, const FrameTime<float>& time, float* out);
-void tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out);
-void tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out);
-void tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out);
-void tick_playhead_float(Playhead<float>& playhead);
-void tick_playhead_double(Playhead<double>& playhead);
-void tick_trajectory(const Trajectory& trajectory, const FrameTime<double>& time, double* out);
-void tick_trajectory_counts(CountTrajectory& counts, const FrameTime<float>& time, std::int32_t* out);
+void tick_positions(const Track& track, const FrameTime& time, double* out);
+void tick_motion(const Track& track, const FrameTime& time, AxisMotion* out);
+void tick_playhead(Playhead& playhead);
+void tick_trajectory(const Trajectory& trajectory, const FrameTime& time, double* out);
+void tick_trajectory_counts(CountTrajectory& counts, const FloatFrameTime& time, std::int32_t* out);
 void tick_nothing(const void* track, const void* time, std::int32_t* out);
 void known_loop(std::uint32_t turns);
 }
 
 #define TICK [[gnu::noinline, gnu::noipa]] void
-TICK tick_positions_float(const Track<float>& track, const FrameTime<float>& time, float* out) {
+TICK tick_positions(const Track& track, const FrameTime& time, double* out) {
   track.positions(time, std::span(out, 3));
 }
-TICK tick_positions_double(const Track<double>& track, const FrameTime<double>& time, double* out) {
-  track.positions(time, std::span(out, 3));
-}
-TICK tick_motion_float(const Track<float>& track, const FrameTime<float>& time, AxisMotion<float>* out) {
+TICK tick_motion(const Track& track, const FrameTime& time, AxisMotion* out) {
   track.motion(time, std::span(out, 3));
 }
-TICK tick_motion_double(const Track<double>& track, const FrameTime<double>& time, AxisMotion<double>* out) {
-  track.motion(time, std::span(out, 3));
-}
-TICK tick_playhead_float(Playhead<float>& playhead) {
+TICK tick_playhead(Playhead& playhead) {
   playhead.tick();
 }
-TICK tick_playhead_double(Playhead<double>& playhead) {
-  playhead.tick();
-}
-TICK tick_trajectory(const Trajectory& trajectory, const FrameTime<double>& time, double* out) {
+TICK tick_trajectory(const Trajectory& trajectory, const FrameTime& time, double* out) {
   trajectory.positions(time, std::span(out, 3));
 }
-TICK tick_trajectory_counts(CountTrajectory& counts, const FrameTime<float>& time, std::int32_t* out) {
+TICK tick_trajectory_counts(CountTrajectory& counts, const FloatFrameTime& time, std::int32_t* out) {
   counts.counts(time, std::span(out, 3));
 }
 TICK tick_nothing(const void*, const void*, std::int32_t*) {
@@ -110,34 +98,35 @@ void print_line(std::string_view name, double instructions) {
 }
 
 /// The times of all ticks of the subject, worked out beforehand.
-template <Precise Real>
-std::span<const FrameTime<Real>> all_times() {
-  static std::array<FrameTime<Real>, tick_count> times;
+template <class Time>
+std::span<const Time> all_times() {
+  static std::array<Time, tick_count> times;
   for (std::int32_t tick = 0; tick < tick_count; ++tick) {
-    times[static_cast<std::size_t>(tick)] = frame_time_of_tick<Real>(tick, subject.fps, subject.rate_hz);
+    times[static_cast<std::size_t>(tick)] =
+        frame_time_of_tick<decltype(Time::fraction)>(tick, subject.fps, subject.rate_hz);
   }
   return times;
 }
 
-template <Precise Real, class TickFunction, class Object, class Out>
+template <class Time = FrameTime, class TickFunction, class Object, class Out>
 void measure(std::string_view name, TickFunction tick, Object& object, Out out) {
-  const std::span<const FrameTime<Real>> times = all_times<Real>();
+  const std::span<const Time> times = all_times<Time>();
   std::array<std::int32_t, 3> nowhere{};
   const double all = instructions_of([&] {
-    for (const FrameTime<Real>& time : times) tick(object, time, out);
+    for (const Time& time : times) tick(object, time, out);
   });
   const double overhead = instructions_of([&] {
-    for (const FrameTime<Real>& time : times) tick_nothing(&object, &time, nowhere.data());
+    for (const Time& time : times) tick_nothing(&object, &time, nowhere.data());
   });
   print_line(name, (all - overhead) / tick_count);
 }
 
 /// The longest of all ticks: each is repeated until one step of the clock is one instruction of it.
-template <Precise Real, class TickFunction, class Object, class Out>
+template <class Time = FrameTime, class TickFunction, class Object, class Out>
 void measure_longest(std::string_view name, TickFunction tick, Object& object, Out out) {
   std::array<std::int32_t, 3> nowhere{};
   double longest = 0;
-  for (const FrameTime<Real>& time : all_times<Real>()) {
+  for (const Time& time : all_times<Time>()) {
     const double all = instructions_of([&] {
       for (std::uint32_t i = 0; i < instructions_per_clock; ++i) tick(object, time, out);
     });
@@ -150,8 +139,8 @@ void measure_longest(std::string_view name, TickFunction tick, Object& object, O
 }
 
 /// Of so many ticks, all together.
-template <Precise Real, class TickFunction>
-double instructions_of_ticks(TickFunction tick, Playhead<Real>& playhead, int count) {
+template <class TickFunction>
+double instructions_of_ticks(TickFunction tick, Playhead& playhead, int count) {
   std::array<std::int32_t, 3> nowhere{};
   const double all = instructions_of([&] {
     for (int i = 0; i < count; ++i) tick(playhead);
@@ -163,8 +152,7 @@ double instructions_of_ticks(TickFunction tick, Playhead<Real>& playhead, int co
 }
 
 /// How many ticks a playhead takes to an even rate, or to rest.
-template <Precise Real>
-int ticks_of_ramp(Playhead<Real> playhead) {
+int ticks_of_ramp(Playhead playhead) {
   int ticks = 0;
   do {
     playhead.tick();
@@ -174,10 +162,10 @@ int ticks_of_ramp(Playhead<Real> playhead) {
 }
 
 /// While time runs evenly; and on the way from rest to the drawn speed, and back to rest.
-template <Precise Real, class TickFunction>
+template <class TickFunction>
 bool measure_playing(std::string_view even, std::string_view ramps, TickFunction tick,
-                     const PlayedMove<Real>& played) {
-  Playhead<Real> playhead(played.move(), played.bounds(), subject.rate_hz);
+                     const PlayedMove& played) {
+  Playhead playhead(played.move(), played.bounds(), subject.rate_hz);
   bool is_well = playhead.play(Direction::forward).has_value();
   print_line(even, instructions_of_ticks(tick, playhead, tick_count) / tick_count);
   playhead.stop();
@@ -199,14 +187,14 @@ bool measure_playing(std::string_view even, std::string_view ramps, TickFunction
   return is_well;
 }
 
-template <Precise Real>
+template <class Real>
 void measure_frame_time(std::string_view name) {
   Real sum = 0;
   const double all = instructions_of([&] {
     for (std::int32_t tick = 0; tick < tick_count; ++tick) {
       std::int32_t opaque = tick;
       asm volatile("" : "+r"(opaque));
-      const FrameTime<Real> time = frame_time_of_tick<Real>(opaque, subject.fps, subject.rate_hz);
+      const BasicFrameTime<Real> time = frame_time_of_tick<Real>(opaque, subject.fps, subject.rate_hz);
       sum += time.fraction;
     }
   });
@@ -214,20 +202,13 @@ void measure_frame_time(std::string_view name) {
   print_line(name, all / tick_count);
 }
 
-struct PlayNames {
-  std::string_view proof, bounds, even, ramps;
-};
 /// Playing the subject. False where it does not go as it should.
-template <Precise Real, class PlayheadTick>
-bool measure_play(const PlayNames& names, const Track<Real>& track, const Track<double>& wide,
-                  PlayedMove<Real>& played, PlayheadTick playhead_tick) {
-  Status made = played.make(track, wide, subject.rate_hz);
-  if (!names.proof.empty())
-    print_line(names.proof, instructions_of([&] { made = made ? played.prove() : made; }));
-  made = made ? played.prove() : made;
-  print_line(names.bounds, instructions_of([&] { made = made ? played.make_bounds() : made; }));
+bool measure_play(const Track& track, PlayedMove& played) {
+  Status made = played.make(track, subject.rate_hz);
+  print_line("bound_move", instructions_of([&] { made = made ? played.prove() : made; }));
+  print_line("StopBounds::make", instructions_of([&] { made = made ? played.make_bounds() : made; }));
   const bool is_well =
-      made.has_value() && measure_playing<Real>(names.even, names.ramps, playhead_tick, played);
+      made.has_value() && measure_playing("Playhead::tick", "Playhead::tick(ramps)", tick_playhead, played);
   if (!is_well) print("FAILED: the subject is not played as it should be\n");
   return is_well;
 }
@@ -238,31 +219,29 @@ std::array<CountTrajectoryPiece, 400> count_pieces;
 std::array<CountPolynomial, 3 * count_pieces.size()> count_polynomials;
 
 /// The trajectory of the subject, and its tick. False where there is none.
-bool measure_trajectory(const Track<double>& track) {
+bool measure_trajectory(const Track& track) {
   const auto sampler = TrackSampler::make(track, joints);
   if (!sampler) return false;
   auto trajectory = fit_trajectory(*sampler, {}, fitted.memory());
-  print_line("fit_trajectory/double",
+  print_line("fit_trajectory",
              instructions_of([&] { trajectory = fit_trajectory(*sampler, {}, fitted.memory()); }));
   if (!trajectory) return false;
   const CountTrajectoryMemory memory{count_pieces, count_polynomials};
   auto counts = CountTrajectory::make(*trajectory, counts_per_unit, memory);
-  print_line("CountTrajectory::make/float",
+  print_line("CountTrajectory::make",
              instructions_of([&] { counts = CountTrajectory::make(*trajectory, counts_per_unit, memory); }));
   if (!counts) return false;
   std::array<double, 3> positions{};
   std::array<std::int32_t, 3> out{};
-  measure<double>("Trajectory::positions/double", tick_trajectory, *trajectory, positions.data());
-  measure<float>("CountTrajectory::counts/float", tick_trajectory_counts, *counts, out.data());
-  measure_longest<float>("CountTrajectory::counts(longest)/float", tick_trajectory_counts, *counts,
-                         out.data());
+  measure("Trajectory::positions", tick_trajectory, *trajectory, positions.data());
+  measure<FloatFrameTime>("CountTrajectory::counts", tick_trajectory_counts, *counts, out.data());
+  measure_longest<FloatFrameTime>("CountTrajectory::counts(longest)", tick_trajectory_counts, *counts,
+                                  out.data());
   return true;
 }
 
-SolvedMove<float> single_move;
-SolvedMove<double> double_move;
-PlayedMove<float> single_play;
-PlayedMove<double> double_play;
+SolvedMove solved_move;
+PlayedMove played_move;
 
 }  // namespace
 
@@ -271,34 +250,23 @@ bool run() {
   constexpr std::uint32_t turns = 500'000;
   print_line("known_loop", instructions_of([] { known_loop(turns); }) / turns);
 
-  Result<Track<double>> track = double_move.solve(subject);
-  print_line("solve/double", instructions_of([&] { track = double_move.solve(subject); }));
-  Result<Track<float>> single = single_move.solve(subject);
-  print_line("solve/float", instructions_of([&] { single = single_move.solve(subject); }));
-  if (!track || !single) {
+  Result<Track> track = solved_move.solve(subject);
+  print_line("solve", instructions_of([&] { track = solved_move.solve(subject); }));
+  if (!track) {
     print("FAILED: the subject has no track\n");
     return false;
   }
-  std::array<float, 3> single_out{};
-  std::array<double, 3> double_out{};
-  std::array<AxisMotion<float>, 3> single_motion{};
-  std::array<AxisMotion<double>, 3> double_motion{};
-  measure<float>("Track::positions/float", tick_positions_float, *single, single_out.data());
-  measure<float>("Track::motion/float", tick_motion_float, *single, single_motion.data());
-  measure_frame_time<float>("frame_time_of_tick/float");
-  measure<double>("Track::positions/double", tick_positions_double, *track, double_out.data());
-  measure<double>("Track::motion/double", tick_motion_double, *track, double_motion.data());
-  measure_frame_time<double>("frame_time_of_tick/double");
+  std::array<double, 3> positions{};
+  std::array<AxisMotion, 3> motion{};
+  measure("Track::positions", tick_positions, *track, positions.data());
+  measure("Track::motion", tick_motion, *track, motion.data());
+  measure_frame_time<double>("frame_time_of_tick");
+  measure_frame_time<float>("frame_time_of_tick(float)");
   if (!measure_trajectory(*track)) {
     print("FAILED: the subject has no trajectory\n");
     return false;
   }
-  return measure_play<float>(
-             {"", "StopBounds::make/float", "Playhead::tick/float", "Playhead::tick(ramps)/float"}, *single,
-             *track, single_play, tick_playhead_float) &&
-         measure_play<double>({"bound_move/double", "StopBounds::make/double", "Playhead::tick/double",
-                               "Playhead::tick(ramps)/double"},
-                              *track, *track, double_play, tick_playhead_double);
+  return measure_play(*track, played_move);
 }
 
 }  // namespace inbetween::embedded

@@ -23,52 +23,50 @@
 
 namespace inbetween {
 
-template <Precise Real>
 struct AnyMove {
   Spline spline = Spline::smooth;
   bool closed = false;
   std::int32_t axis_count = 1;
-  std::vector<Real> keys;
-  std::vector<Real> weights;
-  std::vector<KeyShape<Real>> shapes;
-  std::vector<Real> control_values;
+  std::vector<double> keys;
+  std::vector<double> weights;
+  std::vector<KeyShape> shapes;
+  std::vector<double> control_values;
   std::int32_t frames = 1;
   FrameRate fps;
-  ArcLengthOptions<Real> options;
+  ArcLengthOptions options;
   std::int32_t substeps = 10;  ///< of the Runge-Kutta solver; 0 or less: not asked
   std::vector<KeyLock> locks;
   std::vector<std::int32_t> key_frames;  ///< not empty: timed by these, without a speed curve
   Kinetic kinetic = Kinetic::linear;
   bool overshoot = true;
-  std::vector<Real> lap;  ///< of a closed path
+  std::vector<double> lap;  ///< of a closed path
   bool rests_at_start = true;
   bool rests_at_end = true;
   CurveEnds ends = CurveEnds::natural;
 
-  [[nodiscard]] PathSpec<Real> path_spec() const {
-    PathSpec<Real> spec{.spline = spline,
-                        .closed = closed,
-                        .axis_count = axis_count,
-                        .keys = keys,
-                        .lap = lap,
-                        .weights = weights,
-                        .shapes = shapes,
-                        .overshoot = overshoot,
-                        .rests_at_start = rests_at_start,
-                        .rests_at_end = rests_at_end};
+  [[nodiscard]] PathSpec path_spec() const {
+    PathSpec spec{.spline = spline,
+                  .closed = closed,
+                  .axis_count = axis_count,
+                  .keys = keys,
+                  .lap = lap,
+                  .weights = weights,
+                  .shapes = shapes,
+                  .overshoot = overshoot,
+                  .rests_at_start = rests_at_start,
+                  .rests_at_end = rests_at_end};
     if (kinetic == Kinetic::curves) spec.key_frames = key_frames;
     return spec;
   }
 };
 
 /// Draws the numbers of a move. Every byte string gives a move; a short one gives a small move.
-template <Precise Real>
 class MoveFromBytes {
  public:
   explicit MoveFromBytes(FuzzedDataProvider& bytes) : bytes_(bytes) {}
 
-  AnyMove<Real> draw() {
-    AnyMove<Real> move;
+  AnyMove draw() {
+    AnyMove move;
     move.spline = bytes_.PickValueInArray({Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear});
     move.closed = bytes_.ConsumeBool();
     move.axis_count = bytes_.ConsumeIntegralInRange<std::int32_t>(1, 6);
@@ -87,7 +85,7 @@ class MoveFromBytes {
       for (std::size_t i = 0; i < key_count; ++i) move.shapes.push_back({shape(), shape(), shape()});
     }
     scale_ = bytes_.PickValueInArray({0, 0, 0, 0, 10, -10, 60, -60, 332, -332});
-    offset_ = bytes_.PickValueInArray<Real>({0, 0, 0, 0, Real(1e6), Real(1e12)});
+    offset_ = bytes_.PickValueInArray<double>({0, 0, 0, 0, 1e6, 1e12});
     for (std::size_t i = 0; i < key_count * axes; ++i) move.keys.push_back(coordinate(move.keys, axes));
     draw_timing(move, static_cast<std::int32_t>(key_count));
     draw_more(move, axes);
@@ -96,7 +94,7 @@ class MoveFromBytes {
 
  private:
   /// Drawn from what is left of the bytes, so that a short string is timed by its speed curve.
-  void draw_timing(AnyMove<Real>& move, std::int32_t key_count) {
+  void draw_timing(AnyMove& move, std::int32_t key_count) {
     const int way = bytes_.ConsumeIntegralInRange(0, 7);
     if (way == 1 || way == 2) {
       std::int32_t frame = 0;
@@ -120,14 +118,14 @@ class MoveFromBytes {
     }
   }
   /// From what is left behind all that, so that a string means what it did before there was more.
-  void draw_more(AnyMove<Real>& move, std::size_t axes) {
+  void draw_more(AnyMove& move, std::size_t axes) {
     move.overshoot = bytes_.ConsumeIntegralInRange(0, 3) != 1;
     if (!move.key_frames.empty() && bytes_.ConsumeIntegralInRange(0, 1) == 1) move.kinetic = Kinetic::curves;
     move.rests_at_start = bytes_.ConsumeIntegralInRange(0, 1) == 0;
     move.rests_at_end = bytes_.ConsumeIntegralInRange(0, 1) == 0;
     if (bytes_.ConsumeIntegralInRange(0, 3) == 1) {
       for (std::size_t axis = 0; axis < axes; ++axis) {
-        move.lap.push_back(std::ldexp(static_cast<Real>(bytes_.ConsumeIntegral<std::int8_t>()), scale_));
+        move.lap.push_back(std::ldexp(static_cast<double>(bytes_.ConsumeIntegral<std::int8_t>()), scale_));
       }
     }
     for (KeyLock& lock : move.locks) {
@@ -155,18 +153,18 @@ class MoveFromBytes {
     }
     return bytes_.PickValueInArray<FrameRate>({{24, 1}, {24000, 1001}, {1000, 1}, {1, 1000}});
   }
-  ArcLengthOptions<Real> options() {
-    const Real raw_delta = raw();
-    const Real delta = bytes_.PickValueInArray<Real>(
-        {Precision<Real>::default_delta, Real(1e-2), Real(1e-4), Precision<Real>::smallest_delta, raw_delta});
+  ArcLengthOptions options() {
+    const double raw_delta = raw();
+    const double delta = bytes_.PickValueInArray<double>(
+        {Precision::default_delta, 1e-2, 1e-4, Precision::smallest_delta, raw_delta});
     return {.delta = delta,
             .acceptance = bytes_.ConsumeBool() ? Acceptance::certified : Acceptance::estimated};
   }
-  Real weight() {
-    const Real raw_weight = raw();
-    return bytes_.PickValueInArray<Real>({1, 1, 0, Real(0.01), 100, Real(1e-30), raw_weight});
+  double weight() {
+    const double raw_weight = raw();
+    return bytes_.PickValueInArray<double>({1, 1, 0, 0.01, 100, 1e-30, raw_weight});
   }
-  Real control_value() {
+  double control_value() {
     switch (bytes_.ConsumeIntegralInRange(0, 7)) {
       case 0:
         return raw();
@@ -174,21 +172,21 @@ class MoveFromBytes {
       case 2:
         return 0;
       case 3:
-        return std::ldexp(Real(1), -bytes_.ConsumeIntegralInRange(0, 200));
+        return std::ldexp(1.0, -bytes_.ConsumeIntegralInRange(0, 200));
       default:
-        return static_cast<Real>(bytes_.ConsumeIntegralInRange(0, 100));
+        return static_cast<double>(bytes_.ConsumeIntegralInRange(0, 100));
     }
   }
   /// A tension, continuity or bias: often at an end of its range, or nearly.
-  Real shape() {
-    const Real nearly = 1 - std::ldexp(Real(1), -bytes_.ConsumeIntegralInRange(1, 52));
-    const Real raw_shape = raw();
-    const auto part = static_cast<Real>(bytes_.ConsumeIntegral<std::int8_t>()) / 100;
-    return bytes_.PickValueInArray<Real>({0, 1, -1, nearly, -nearly, part, part, raw_shape});
+  double shape() {
+    const double nearly = 1 - std::ldexp(1.0, -bytes_.ConsumeIntegralInRange(1, 52));
+    const double raw_shape = raw();
+    const auto part = static_cast<double>(bytes_.ConsumeIntegral<std::int8_t>()) / 100;
+    return bytes_.PickValueInArray<double>({0, 1, -1, nearly, -nearly, part, part, raw_shape});
   }
-  Real coordinate(const std::vector<Real>& before, std::size_t axes) {
-    const Real earlier = before.size() >= axes ? before[before.size() - axes] : Real(0);
-    const auto number = static_cast<Real>(bytes_.ConsumeIntegral<std::int8_t>());
+  double coordinate(const std::vector<double>& before, std::size_t axes) {
+    const double earlier = before.size() >= axes ? before[before.size() - axes] : 0.0;
+    const auto number = static_cast<double>(bytes_.ConsumeIntegral<std::int8_t>());
     switch (bytes_.ConsumeIntegralInRange(0, 15)) {
       case 0:
         return raw();
@@ -197,7 +195,7 @@ class MoveFromBytes {
       case 3:
         return earlier;
       case 4:
-        return earlier + number * std::numeric_limits<Real>::epsilon() * earlier;
+        return earlier + number * std::numeric_limits<double>::epsilon() * earlier;
       case 5:
         return earlier + std::ldexp(number, scale_ - bytes_.ConsumeIntegralInRange(0, 60));
       case 6:
@@ -207,34 +205,32 @@ class MoveFromBytes {
     }
   }
   /// Any bits: a NaN, an infinity, a subnormal number.
-  Real raw() {
+  double raw() {
     if (bytes_.ConsumeIntegralInRange(0, 3) != 0) return bytes_.ConsumeIntegral<std::int8_t>();
-    std::array<std::uint8_t, sizeof(Real)> bits{};
+    std::array<std::uint8_t, sizeof(double)> bits{};
     for (std::uint8_t& byte : bits) byte = bytes_.ConsumeIntegral<std::uint8_t>();
-    Real value = 0;
-    std::memcpy(&value, bits.data(), sizeof(Real));
+    double value = 0;
+    std::memcpy(&value, bits.data(), sizeof(double));
     return value;
   }
 
   FuzzedDataProvider& bytes_;
   int scale_ = 0;
-  Real offset_ = 0;
+  double offset_ = 0;
 };
 
 /// The move in numbers that can be pasted into a test, to the last bit.
-template <Precise Real>
-void print(const AnyMove<Real>& move) {
-  const auto list = [](const char* name, const std::vector<Real>& numbers) {
+inline void print(const AnyMove& move) {
+  const auto list = [](const char* name, const std::vector<double>& numbers) {
     std::fprintf(stderr, "  .%s = {", name);
-    for (const Real number : numbers) std::fprintf(stderr, "%a, ", static_cast<double>(number));
+    for (const double number : numbers) std::fprintf(stderr, "%a, ", static_cast<double>(number));
     std::fprintf(stderr, "}\n");
   };
-  std::fprintf(
-      stderr, "fuzz: %s, spline %d, closed %d, axes %d, frames %d, fps %d/%d, delta %a, certified %d, k %d\n",
-      sizeof(Real) == sizeof(double) ? "double" : "float", static_cast<int>(move.spline),
-      static_cast<int>(move.closed), move.axis_count, move.frames, move.fps.numerator, move.fps.denominator,
-      static_cast<double>(move.options.delta),
-      static_cast<int>(move.options.acceptance == Acceptance::certified), move.substeps);
+  std::fprintf(stderr,
+               "fuzz: spline %d, closed %d, axes %d, frames %d, fps %d/%d, delta %a, certified %d, k %d\n",
+               static_cast<int>(move.spline), static_cast<int>(move.closed), move.axis_count, move.frames,
+               move.fps.numerator, move.fps.denominator, static_cast<double>(move.options.delta),
+               static_cast<int>(move.options.acceptance == Acceptance::certified), move.substeps);
   for (const KeyLock& lock : move.locks) {
     std::fprintf(stderr, "  lock {%d, %d, %d, %d, %d}\n", lock.key, lock.frame, lock.hold,
                  static_cast<int>(lock.breaks), static_cast<int>(lock.ease));
@@ -252,7 +248,7 @@ void print(const AnyMove<Real>& move) {
   list("weights", move.weights);
   list("speed", move.control_values);
   std::fprintf(stderr, "  .shapes = {");
-  for (const KeyShape<Real>& shape : move.shapes) {
+  for (const KeyShape& shape : move.shapes) {
     std::fprintf(stderr, "{%a, %a, %a}, ", static_cast<double>(shape.tension),
                  static_cast<double>(shape.continuity), static_cast<double>(shape.bias));
   }

@@ -31,10 +31,9 @@ constexpr std::size_t max_segments_between_keys = 4;
 /// find.
 constexpr std::size_t max_pieces_per_segment = 4000;
 
-template <Precise Real>
 class MoveUnderTest {
  public:
-  explicit MoveUnderTest(const AnyMove<Real>& move) : move_(move) {}
+  explicit MoveUnderTest(const AnyMove& move) : move_(move) {}
 
   void run() {
     const auto axes = static_cast<std::size_t>(move_.axis_count);
@@ -48,7 +47,7 @@ class MoveUnderTest {
     }
     cubics_.resize((segments + 1) * axes);
     weights_.resize(axes);
-    const auto path = Path<Real>::make(move_.path_spec(), {cubics_, weights_, knots_});
+    const auto path = Path::make(move_.path_spec(), {cubics_, weights_, knots_});
     if (!checked(path)) return;
     if (move_.kinetic == Kinetic::curves) {
       require(static_cast<std::size_t>(path->segment_count()) <= segments,
@@ -79,7 +78,7 @@ class MoveUnderTest {
     std::fprintf(stderr, "fuzz: broken: %s\n", what);
     std::abort();
   }
-  void require_finite(Real number) const {
+  void require_finite(double number) const {
     require(std::isfinite(number), "what comes out is a finite number");
   }
 
@@ -91,7 +90,7 @@ class MoveUnderTest {
     return false;
   }
 
-  Result<ArcLength<Real>> measure(const Path<Real>& path, std::size_t segments) {
+  Result<ArcLength> measure(const Path& path, std::size_t segments) {
     first_pieces_.resize(segments + 1);
     segment_begins_.resize(segments + 1);
     const auto with_room = [&](std::size_t pieces) {
@@ -101,8 +100,8 @@ class MoveUnderTest {
       pieces_.shrink_to_fit();
       begins_.shrink_to_fit();
       buckets_.shrink_to_fit();
-      return ArcLength<Real>::make(path, move_.options,
-                                   {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
+      return ArcLength::make(path, move_.options,
+                             {pieces_, begins_, buckets_, first_pieces_, segment_begins_});
     };
     const auto small = with_room(1);
     if (small || small.error().code != ErrorCode::capacity) return small;
@@ -111,22 +110,22 @@ class MoveUnderTest {
     return with_room(needed);
   }
 
-  Result<Track<Real>> time(const Path<Real>& path, const ArcLength<Real>& arc_length) {
+  Result<Track> time(const Path& path, const ArcLength& arc_length) {
     if (!move_.key_frames.empty()) {
       key_intervals_.resize(static_cast<std::size_t>(path.segment_count()));
-      return Track<Real>::make_with_key_frames(path, arc_length, move_.key_frames, move_.kinetic,
-                                               move_.frames, move_.fps, {.key_intervals = key_intervals_});
+      return Track::make_with_key_frames(path, arc_length, move_.key_frames, move_.kinetic, move_.frames,
+                                         move_.fps, {.key_intervals = key_intervals_});
     }
-    std::vector<Real> values = move_.control_values;
+    std::vector<double> values = move_.control_values;
     if (values.size() == 1) values.push_back(values.front());
     const std::size_t f = values.size() - 1;
     spans_.resize(f);
     integrals_.resize(f + 1);
-    const auto drawn = SpeedProfile<Real>::make(values, {spans_, integrals_}, move_.ends);
+    const auto drawn = SpeedProfile::make(values, {spans_, integrals_}, move_.ends);
     if (!checked(drawn)) return drawn.error();
     if (move_.locks.empty()) {
       span_distances_.resize(f + 1);
-      return Track<Real>::make(path, arc_length, *drawn, move_.frames, move_.fps, {span_distances_});
+      return Track::make(path, arc_length, *drawn, move_.frames, move_.fps, {span_distances_});
     }
     if (move_.frames > max_frames_here) return no_need();
     const auto timing = adjust(values, path, arc_length);
@@ -134,33 +133,31 @@ class MoveUnderTest {
     return time_with_locks(path, arc_length, *timing);
   }
 
-  Result<KeyTiming<Real>> adjust(const std::vector<Real>& values, const Path<Real>& path,
-                                 const ArcLength<Real>& arc_length) {
+  Result<KeyTiming> adjust(const std::vector<double>& values, const Path& path, const ArcLength& arc_length) {
     for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
       key_distances_.push_back(arc_length.segment_begin(i).high);
     }
     const std::size_t rows = move_.locks.size() + 1;
-    for (std::vector<Real>* part : {&adjusted_, &drawn_, &mobility_, &ceiling_}) part->resize(max_values);
+    for (std::vector<double>* part : {&adjusted_, &drawn_, &mobility_, &ceiling_}) part->resize(max_values);
     locks_.resize(rows + 1);
     targets_.resize(rows);
     multipliers_.resize(4 * rows);
     rows_.resize(rows);
     lock_weights_.resize(lock_weight_count(move_.locks.size(), max_values));
     matrix_.resize(lock_entry_count(move_.locks.size()));
-    const auto timing = adjust_to_locks<Real>({.control_values = values,
-                                               .key_distances = key_distances_,
-                                               .locks = move_.locks,
-                                               .frames = move_.frames},
-                                              {adjusted_, drawn_, mobility_, ceiling_, locks_, targets_,
-                                               multipliers_, rows_, lock_weights_, matrix_});
+    const auto timing = adjust_to_locks({.control_values = values,
+                                         .key_distances = key_distances_,
+                                         .locks = move_.locks,
+                                         .frames = move_.frames},
+                                        {adjusted_, drawn_, mobility_, ceiling_, locks_, targets_,
+                                         multipliers_, rows_, lock_weights_, matrix_});
     if (!timing) {
       require(timing.error().what[0] != '\0' && timing.error().remedy[0] != '\0', "an error says what to do");
     }
     return timing;
   }
 
-  Result<Track<Real>> time_with_locks(const Path<Real>& path, const ArcLength<Real>& arc_length,
-                                      const KeyTiming<Real>& timing) {
+  Result<Track> time_with_locks(const Path& path, const ArcLength& arc_length, const KeyTiming& timing) {
     for (const KeyLock& lock : timing.locks) {
       const bool inside = lock.key > 0 && lock.key < path.segment_count();
       if (lock.breaks && inside) breaks_.push_back({lock.key, lock.frame});
@@ -170,26 +167,26 @@ class MoveUnderTest {
     integrals_.resize(f + 1);
     span_distances_.resize(f + 1);
     portions_.resize(breaks_.size() + 1);
-    const auto profile = SpeedProfile<Real>::make(timing.control_values, {spans_, integrals_});
+    const auto profile = SpeedProfile::make(timing.control_values, {spans_, integrals_});
     require(profile.has_value(), "an adjusted curve is a speed curve");
-    const auto track = Track<Real>::make_with_breaks(path, arc_length, *profile, move_.frames, move_.fps,
-                                                     breaks_, {span_distances_, portions_});
+    const auto track = Track::make_with_breaks(path, arc_length, *profile, move_.frames, move_.fps, breaks_,
+                                               {span_distances_, portions_});
     if (!track) return track;
     for (const KeyLock& lock : timing.locks) {
       if (lock.knot >= 0) continue;  // met on a knot of the curve, which need not be a frame
-      const Real early = arc_length.segment_begin(lock.key).minus(track->distance({lock.frame, 0}));
+      const double early = arc_length.segment_begin(lock.key).minus(track->distance({lock.frame, 0}));
       require(std::fabs(early) <= lock_tolerance * arc_length.total(), "a locked key is met on its frame");
     }
     return track;
   }
 
-  void require_motion(const Track<Real>& track, const FrameTime<Real>& time) {
-    std::vector<Real> position(static_cast<std::size_t>(move_.axis_count));
-    std::vector<AxisMotion<Real>> motion(position.size());
+  void require_motion(const Track& track, const FrameTime& time) {
+    std::vector<double> position(static_cast<std::size_t>(move_.axis_count));
+    std::vector<AxisMotion> motion(position.size());
     track.positions(time, position);
     track.motion(time, motion);
-    const AlongPath<Real> along = track.along(time);
-    for (const Real number : {along.speed, along.acceleration, along.jerk}) require_finite(number);
+    const AlongPath along = track.along(time);
+    for (const double number : {along.speed, along.acceleration, along.jerk}) require_finite(number);
     for (std::size_t axis = 0; axis < position.size(); ++axis) {
       require_finite(position[axis]);
       require(motion[axis].position == position[axis], "the motion is at the position");
@@ -199,18 +196,18 @@ class MoveUnderTest {
     }
   }
 
-  void evaluate(const Track<Real>& track, std::int32_t first, std::int32_t last) {
+  void evaluate(const Track& track, std::int32_t first, std::int32_t last) {
     for (std::int32_t frame = first; frame <= last; ++frame) {
-      for (const Real fraction : {Real(0), Real(0.375), 1 - std::numeric_limits<Real>::epsilon()}) {
+      for (const double fraction : {0.0, 0.375, 1 - std::numeric_limits<double>::epsilon()}) {
         require_motion(track, {frame, fraction});
       }
     }
   }
 
-  void require_invariants(const Track<Real>& track, const FrameTable<Real>& table) {
+  void require_invariants(const Track& track, const FrameTable& table) {
     for (std::int32_t frame = 0; frame <= table.frames(); ++frame) {
-      const FrameRow<Real> row = frame_row(track, table, frame);
-      for (const Real number : {row.alpha, row.point.t, row.distance, row.speed, row.acceleration}) {
+      const FrameRow row = frame_row(track, table, frame);
+      for (const double number : {row.alpha, row.point.t, row.distance, row.speed, row.acceleration}) {
         require_finite(number);
       }
       require(row.speed >= 0, "no speed is negative");
@@ -220,62 +217,53 @@ class MoveUnderTest {
     require(invariants.has_value(), invariants ? "" : invariants.error().what);
   }
 
-  void solve_closed_form(const Track<Real>& track) {
-    std::vector<PathPoint<Real>> points(static_cast<std::size_t>(move_.frames) + 1);
-    const auto table = closed_form_table<Real>(track, points);
+  void solve_closed_form(const Track& track) {
+    std::vector<PathPoint> points(static_cast<std::size_t>(move_.frames) + 1);
+    const auto table = closed_form_table(track, points);
     require(table.has_value(), "a track has a table in closed form");
     require_invariants(track, *table);
   }
 
-  void solve_runge_kutta(const Track<Real>& track) {
-    std::vector<PathPoint<Real>> points(static_cast<std::size_t>(move_.frames) + 1);
-    std::vector<OdeSegment<Real>> segments(static_cast<std::size_t>(track.path().segment_count()) + 1);
-    const OdeOptions<Real> options{.substeps = move_.substeps};
-    const auto table = runge_kutta_table<Real>(track, options, segments, points);
+  void solve_runge_kutta(const Track& track) {
+    std::vector<PathPoint> points(static_cast<std::size_t>(move_.frames) + 1);
+    std::vector<OdeSegment> segments(static_cast<std::size_t>(track.path().segment_count()) + 1);
+    const OdeOptions options{.substeps = move_.substeps};
+    const auto table = runge_kutta_table(track, options, segments, points);
     if (checked(table)) require_invariants(track, *table);
   }
 
   static Error no_need() { return {.code = ErrorCode::out_of_range, .what = "too long", .remedy = "none"}; }
 
   /// Ten times what adjust_to_locks promises.
-  static constexpr Real lock_tolerance = std::numeric_limits<Real>::digits > 30 ? Real(1e-11) : Real(1e-4);
+  static constexpr double lock_tolerance = 1e-11;
 
-  const AnyMove<Real>& move_;
-  std::vector<Cubic<Real>> cubics_;
-  std::vector<Real> weights_;
+  const AnyMove& move_;
+  std::vector<Cubic> cubics_;
+  std::vector<double> weights_;
   std::vector<FrameKnot> knots_;
-  std::vector<ArcPiece<Real>> pieces_;
-  std::vector<Real> begins_;
+  std::vector<ArcPiece> pieces_;
+  std::vector<double> begins_;
   std::vector<std::int32_t> buckets_;
   std::vector<std::int32_t> first_pieces_;
-  std::vector<TwoSum<Real>> segment_begins_;
-  std::vector<SpeedSpan<Real>> spans_;
-  std::vector<TwoSum<Real>> integrals_;
-  std::vector<SpanDistance<Real>> span_distances_;
-  std::vector<Portion<Real>> portions_;
-  std::vector<KeyInterval<Real>> key_intervals_;
+  std::vector<TwoSum> segment_begins_;
+  std::vector<SpeedSpan> spans_;
+  std::vector<TwoSum> integrals_;
+  std::vector<SpanDistance> span_distances_;
+  std::vector<Portion> portions_;
+  std::vector<KeyInterval> key_intervals_;
   std::vector<BreakKey> breaks_;
-  std::vector<Real> key_distances_;
-  std::vector<Real> adjusted_, drawn_, mobility_, ceiling_, targets_, multipliers_, lock_weights_, matrix_;
+  std::vector<double> key_distances_;
+  std::vector<double> adjusted_, drawn_, mobility_, ceiling_, targets_, multipliers_, lock_weights_, matrix_;
   std::vector<LockRow> rows_;
   std::vector<KeyLock> locks_;
 };
-
-template <Precise Real>
-void run(FuzzedDataProvider& bytes) {
-  const AnyMove<Real> move = MoveFromBytes<Real>(bytes).draw();
-  MoveUnderTest<Real>(move).run();
-}
 
 }  // namespace
 }  // namespace inbetween
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzedDataProvider bytes(data, size);
-  if (bytes.ConsumeBool()) {
-    inbetween::run<double>(bytes);
-  } else {
-    inbetween::run<float>(bytes);
-  }
+  const inbetween::AnyMove move = inbetween::MoveFromBytes(bytes).draw();
+  inbetween::MoveUnderTest(move).run();
   return 0;
 }

@@ -22,7 +22,7 @@ void require_numbers(const std::vector<double>& numbers, double min, double max)
 void require_key(const MoveKey& key, const MoveTrack& track, std::int32_t frames) {
   fuzz_require(key.at.size() == track.axes.size(), "a key has a coordinate for every axis");
   fuzz_require(key.at_places.size() == key.at.size(), "a coordinate has a place");
-  require_numbers(key.at, -Precision<double>::largest, Precision<double>::largest);
+  require_numbers(key.at, -Precision::largest, Precision::largest);
   require_numbers({key.tension, key.continuity, key.bias}, -1, 1);
   const bool shaped = key.tension != 0 || key.continuity != 0 || key.bias != 0;
   fuzz_require(!shaped || track.spline == Spline::tcb, "only a tcb key is shaped");
@@ -42,7 +42,7 @@ void require_track(const MoveTrack& track, std::int32_t frames) {
   fuzz_require(track.speed_places.size() == track.speed.size(), "a control value has a place");
   require_numbers(track.speed, 0, max_control_value);
   fuzz_require(track.weights.empty() || track.weights.size() == track.axes.size(), "every axis has a weight");
-  require_numbers(track.weights, 0, Precision<double>::largest);
+  require_numbers(track.weights, 0, Precision::largest);
   fuzz_require(!track.kinetic || track.timing == Timing::frames, "a kinetic goes with frame times");
 }
 

@@ -4,17 +4,16 @@
 
 namespace inbetween {
 
-template <Precise Real>
 struct Bracket {
-  Real low = 0, high = 0;
+  double low = 0, high = 0;
 };
 
 /// Halves a bracket: `is_below` is true at its low end and false at its high end, or the caller treats the
 /// ends as if it were. It ends after `max_halvings` or when no number lies between the ends.
-template <Precise Real, class Predicate>
-constexpr Bracket<Real> bisected(Bracket<Real> bracket, int max_halvings, Predicate&& is_below) {
+template <class Predicate>
+constexpr Bracket bisected(Bracket bracket, int max_halvings, Predicate&& is_below) {
   for (int i = 0; i < max_halvings; ++i) {
-    const Real middle = bracket.low + (bracket.high - bracket.low) / 2;
+    const double middle = bracket.low + (bracket.high - bracket.low) / 2;
     if (!(bracket.low < middle && middle < bracket.high)) break;
     (is_below(middle) ? bracket.low : bracket.high) = middle;
   }
@@ -26,32 +25,32 @@ constexpr Bracket<Real> bisected(Bracket<Real> bracket, int max_halvings, Predic
 /// certain. It is, because the computed value falls by no more than `rounding` from any place to a later one.
 /// `is_below` tells on which side of 0 a value is. `slope` is about that of the value: where it is 0 or
 /// misleads, more values are computed.
-template <Precise Real, class Value, class Slope, class IsBelow>
-constexpr Bracket<Real> bisected_near_zero(Bracket<Real> bracket, int max_halvings, Real rounding,
-                                           Value&& value, Slope&& slope, IsBelow&& is_below) {
+template <class Value, class Slope, class IsBelow>
+constexpr Bracket bisected_near_zero(Bracket bracket, int max_halvings, double rounding, Value&& value,
+                                     Slope&& slope, IsBelow&& is_below) {
   constexpr int max_newton_steps = 6;
-  Bracket<Real> around = bracket;
-  Real x = bracket.low;
+  Bracket around = bracket;
+  double x = bracket.low;
   for (int i = 0; i < max_newton_steps; ++i) {
-    const Real y = value(x);
+    const double y = value(x);
     (y > 0 ? around.high : around.low) = x;
     if (y <= rounding && -y <= rounding) break;
-    const Real next = x - y / slope(x);
+    const double next = x - y / slope(x);
     x = next > around.low && next < around.high ? next : around.low + (around.high - around.low) / 2;
   }
-  Bracket<Real> certain = bracket;  // up to `low` a value is below, from `high` on it is not
-  const Real narrow = 2 * rounding / slope(x);
-  for (Real reach = narrow; reach > 0 && x - reach > bracket.low; reach *= 8) {
+  Bracket certain = bracket;  // up to `low` a value is below, from `high` on it is not
+  const double narrow = 2 * rounding / slope(x);
+  for (double reach = narrow; reach > 0 && x - reach > bracket.low; reach *= 8) {
     if (!(value(x - reach) < -rounding)) continue;
     certain.low = x - reach;
     break;
   }
-  for (Real reach = narrow; reach > 0 && x + reach < bracket.high; reach *= 8) {
+  for (double reach = narrow; reach > 0 && x + reach < bracket.high; reach *= 8) {
     if (!(value(x + reach) > rounding)) continue;
     certain.high = x + reach;
     break;
   }
-  return bisected(bracket, max_halvings, [&](Real middle) {
+  return bisected(bracket, max_halvings, [&](double middle) {
     return middle <= certain.low || (middle < certain.high && is_below(value(middle)));
   });
 }

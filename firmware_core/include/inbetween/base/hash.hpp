@@ -31,10 +31,9 @@ class Fnv1a {
 /// The hash of every (segment, t) of a table. It is equal on x86-64, arm64 and Cortex-M7 for the same move in
 /// double: the core uses only operations that IEEE 754 rounds exactly, and no compiler may fuse them
 /// (-ffp-contract=off).
-template <Precise Real>
-constexpr std::uint64_t hash_of(std::span<const PathPoint<Real>> points) {
+constexpr std::uint64_t hash_of(std::span<const PathPoint> points) {
   Fnv1a hash;
-  for (const PathPoint<Real>& point : points) {
+  for (const PathPoint& point : points) {
     hash.add(static_cast<std::int32_t>(point.segment));
     hash.add(point.t);
   }

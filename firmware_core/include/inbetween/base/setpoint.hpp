@@ -8,11 +8,10 @@ namespace inbetween {
 
 /// The commanded position of an axis with its velocity and acceleration, in axis units and seconds. Between
 /// two ticks the axis moves on the polynomial of lowest degree that joins both setpoints.
-template <Precise Real>
 struct Setpoint {
-  Real position = 0;
-  Real velocity = 0;
-  Real acceleration = 0;
+  double position = 0;
+  double velocity = 0;
+  double acceleration = 0;
 
   friend constexpr bool operator==(const Setpoint&, const Setpoint&) = default;
 };

@@ -107,20 +107,20 @@ constexpr std::size_t frames_per_read(std::size_t drives) {
 }
 
 /// The drive of an axis of the rig, and its scale. Without a watch nothing but its drive looks after it.
-template <DriveBus Bus, Precise Real>
+template <DriveBus Bus>
 struct BusAxis {
   std::size_t lane = 0;
   std::size_t drive = 0;  ///< on its bus
-  Real scale = 1;         ///< units of the drive per axis unit, not 0; negative turns the direction round
+  double scale = 1;       ///< units of the drive per axis unit, not 0; negative turns the direction round
   /// The place of the axis, for a drive that counts from wherever it is switched on. Taken when it first
   /// follows; none: the place 0 of the drive is position 0.
-  std::optional<Real> stands_at = {};
+  std::optional<double> stands_at = {};
   typename Bus::Drive::Place zero = {};  ///< the place of position 0, kept by the port
-  std::optional<AxisWatch<Real>> watch = {};
+  std::optional<AxisWatch> watch = {};
   // Kept by the port.
   OwnStop own_stop = OwnStop::none;
   bool had_power = false;
-  std::optional<Real> speed_without_power = {};  ///< it still moved, in units/s, when its power went
+  std::optional<double> speed_without_power = {};  ///< it still moved, in units/s, when its power went
 };
 
 /// The operator may see these counters of a lane. They only grow.
@@ -141,12 +141,12 @@ inline constexpr std::int32_t unsent_ticks_limit = 3;
 ///
 /// A drive that is too far from its target is stopped alone and at once. It loses its power if it gets away
 /// all the same (AxisWatch), or does not answer.
-template <DriveBus Bus, Precise Real, FrameLink<typename Bus::Frame> Link>
+template <DriveBus Bus, FrameLink<typename Bus::Frame> Link>
 class BusPort {
  public:
   using Drive = typename Bus::Drive;
   using Lane = BusLane<Bus, Link>;
-  using Axis = BusAxis<Bus, Real>;
+  using Axis = BusAxis<Bus>;
   static constexpr std::size_t max_lanes = 8;
 
   /// Errors: wrong_count (no lane, more than max_lanes, memory that does not fit a bus), out_of_range with
@@ -180,7 +180,7 @@ class BusPort {
     return BusPort(lanes, axes);
   }
 
-  void read(std::span<DriveState<Real>> states, std::int64_t now_ns) {
+  void read(std::span<DriveState> states, std::int64_t now_ns) {
     now_ns_ = now_ns;
     for (std::size_t l = 0; l < lanes_.size(); ++l) {
       const Lane& lane = lanes_[l];
@@ -191,7 +191,7 @@ class BusPort {
     for (std::size_t i = 0; i < axes_.size(); ++i) states[i] = state_of_axis(i);
   }
 
-  void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
+  void write(std::span<const Setpoint> setpoints, std::int64_t now_ns) {
     now_ns_ = now_ns;
     const bool has_targets = !setpoints.empty() && take_targets(setpoints);
     if (!has_targets) tell_nothing();
@@ -262,7 +262,7 @@ class BusPort {
 
   /// The axis is at `position`, whatever its drive counts, from now on. Only while no setpoint follows: the
   /// next would be a jump by the difference. O(1).
-  void place(std::size_t axis, Real position) {
+  void place(std::size_t axis, double position) {
     Axis& placed = axes_[axis];
     placed.zero = drive_of(placed).held_place() - Drive::place_of(position * placed.scale);
   }
@@ -288,7 +288,7 @@ class BusPort {
   }
   [[nodiscard]] OwnStop own_stop(std::size_t axis) const { return axes_[axis].own_stop; }
   /// How fast the axis still moved when its power went, in units/s; nothing if it rested.
-  [[nodiscard]] std::optional<Real> speed_without_power(std::size_t axis) const {
+  [[nodiscard]] std::optional<double> speed_without_power(std::size_t axis) const {
     return axes_[axis].speed_without_power;
   }
   /// The drive of an axis, for whoever wants to know what is wrong.
@@ -307,14 +307,14 @@ class BusPort {
     }
   }
 
-  [[nodiscard]] DriveState<Real> state_of_axis(std::size_t i) {
+  [[nodiscard]] DriveState state_of_axis(std::size_t i) {
     Axis& axis = axes_[i];
     const Drive& drive = drive_of(axis);
     if (drive.phase() == DrivePhase::following && axis.stands_at) {
       place(i, *axis.stands_at);
       axis.stands_at.reset();
     }
-    const Real actual = static_cast<Real>(drive.held_place() - axis.zero) / axis.scale;
+    const double actual = static_cast<double>(drive.held_place() - axis.zero) / axis.scale;
     if (axis.watch) look_at(axis, drive, actual);
     const DriveCondition condition = condition_of(axis);
     watch_over(i);
@@ -325,7 +325,7 @@ class BusPort {
             .own_stop = axis.own_stop,
             .condition = condition};
   }
-  void look_at(Axis& axis, const Drive& drive, Real actual) {
+  void look_at(Axis& axis, const Drive& drive, double actual) {
     axis.watch->look(actual, now_ns_);
     const bool has_power = drive.may_have_power();
     if (axis.had_power && !has_power) note_speed(axis);
@@ -385,7 +385,7 @@ class BusPort {
     }
   }
   /// False, and nothing is sent, where one is beyond what a drive can be told.
-  bool take_targets(std::span<const Setpoint<Real>> setpoints) {
+  bool take_targets(std::span<const Setpoint> setpoints) {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       Axis& axis = axes_[i];
       const auto target =

@@ -73,15 +73,11 @@ class Cia402Drive {
   using Place = std::int64_t;   ///< counts
   using Target = std::int32_t;  ///< counts
   /// To the nearest count.
-  template <Precise Real>
-  static Place place_of(Real counts) {
-    return static_cast<Place>(std::floor(counts + Real(0.5)));
-  }
+  static Place place_of(double counts) { return static_cast<Place>(std::floor(counts + 0.5)); }
   /// BusDrive. The velocity is the drive's own to find.
-  template <Precise Real>
-  static std::optional<Target> target_of(Real counts, Real /*counts_per_s*/, Place zero) {
-    const Real count = std::floor(counts + Real(0.5)) + static_cast<Real>(zero);
-    constexpr auto max_count = static_cast<Real>(std::numeric_limits<Target>::max() - 128);
+  static std::optional<Target> target_of(double counts, double /*counts_per_s*/, Place zero) {
+    const double count = std::floor(counts + 0.5) + static_cast<double>(zero);
+    constexpr auto max_count = static_cast<double>(std::numeric_limits<Target>::max() - 128);
     if (!(std::fabs(count) <= max_count)) return {};
     return static_cast<Target>(count);
   }

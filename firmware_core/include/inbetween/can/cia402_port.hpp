@@ -10,9 +10,8 @@ namespace inbetween::can {
 
 template <FrameLink<Frame> Link>
 using Cia402Lane = BusLane<Cia402Bus, Link>;
-template <Precise Real>
-using Cia402Axis = BusAxis<Cia402Bus, Real>;
-template <Precise Real, FrameLink<Frame> Link>
-using Cia402Port = BusPort<Cia402Bus, Real, Link>;
+using Cia402Axis = BusAxis<Cia402Bus>;
+template <FrameLink<Frame> Link>
+using Cia402Port = BusPort<Cia402Bus, Link>;
 
 }  // namespace inbetween::can

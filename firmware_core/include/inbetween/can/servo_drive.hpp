@@ -64,12 +64,8 @@ class ServoDrive {
   using Frame = typename Protocol::Frame;
   using Place = double;  ///< turns
   using Target = ServoTarget;
-  template <Precise Real>
-  static Place place_of(Real turns) {
-    return static_cast<Place>(turns);
-  }
-  template <Precise Real>
-  static std::optional<Target> target_of(Real turns, Real turns_per_s, Place zero) {
+  static Place place_of(double turns) { return static_cast<Place>(turns); }
+  static std::optional<Target> target_of(double turns, double turns_per_s, Place zero) {
     const Target target{.turns = static_cast<Place>(turns) + zero,
                         .turns_per_s = static_cast<double>(turns_per_s)};
     if (!std::isfinite(target.turns) || !Protocol::fits(target)) return {};

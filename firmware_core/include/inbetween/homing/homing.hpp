@@ -18,15 +18,15 @@
 namespace inbetween {
 
 /// The parameters of the search for a switch. Ways and speeds are magnitudes in axis units and unit/s.
-template <Precise Real>
 struct HomingSpec {
   bool towards_max = false;  ///< the switch is in the direction of rising positions
-  Real at = 0;               ///< the position where it closes, approached from the other side
-  Real fast = 0;  ///< speed of the search; the axis overruns the switch by the way of a stop from this speed
-  Real slow = 0;  ///< speed of the measurement: it alone decides how exactly the place is repeated
-  Real search = 0;    ///< the longest way of the search
-  Real leave = 0;     ///< the longest way off the switch, for an axis that starts on it
-  Real back_off = 0;  ///< the switch is open this far before its edge: more than its hysteresis
+  double at = 0;             ///< the position where it closes, approached from the other side
+  double fast =
+      0;  ///< speed of the search; the axis overruns the switch by the way of a stop from this speed
+  double slow = 0;      ///< speed of the measurement: it alone decides how exactly the place is repeated
+  double search = 0;    ///< the longest way of the search
+  double leave = 0;     ///< the longest way off the switch, for an axis that starts on it
+  double back_off = 0;  ///< the switch is open this far before its edge: more than its hysteresis
   SwitchSettings home = {};
 };
 
@@ -43,31 +43,29 @@ struct HomingInput {
 ///
 /// Every motion is one of FreeAxis, within its limits and at most at `fast`. Every way is bounded, so that
 /// the homing ends whatever the switch does.
-template <Precise Real>
 class AxisHoming {
  public:
   /// Errors: not_finite; out_of_range (a way or speed that is not above 0, fast above the velocity of the
   /// axis, slow above fast; the switch settings).
-  static Result<AxisHoming> make(const HomingSpec<Real>& spec, FreeAxis<Real>& axis);
+  static Result<AxisHoming> make(const HomingSpec& spec, FreeAxis& axis);
 
   [[nodiscard]] HomingPhase phase() const { return phase_; }
   /// The reason of a failure; none otherwise.
   [[nodiscard]] HomingFailure failure() const { return failure_; }
   /// The amount to add to the positions that the axis has now, once it is referenced.
-  [[nodiscard]] Real shift() const { return shift_; }
+  [[nodiscard]] double shift() const { return shift_; }
   [[nodiscard]] const SwitchInput& home_switch() const { return switch_; }
-  [[nodiscard]] const FreeAxis<Real>& axis() const { return *axis_; }
+  [[nodiscard]] const FreeAxis& axis() const { return *axis_; }
 
  private:
-  template <Precise>
   friend class Homing;
 
-  AxisHoming(const HomingSpec<Real>& spec, const SwitchInput& input, FreeAxis<Real>& axis)
+  AxisHoming(const HomingSpec& spec, const SwitchInput& input, FreeAxis& axis)
       : spec_(spec), switch_(input), axis_(&axis) {}
 
   [[nodiscard]] Status can_begin(const HomingInput& input) const;
-  [[nodiscard]] Real reach() const;
-  [[nodiscard]] Real spike_way() const;
+  [[nodiscard]] double reach() const;
+  [[nodiscard]] double spike_way() const;
   void begin(std::int64_t now_ns, const HomingInput& input);
   void observe(std::int64_t now_ns, const HomingInput& input, std::span<const LineEvent> events);
   [[nodiscard]] HomingFailure fault(const HomingInput& input) const;
@@ -76,24 +74,24 @@ class AxisHoming {
   void act(HomingAction action);
   void mark();
   void fail(HomingFailure failure);
-  void go_to(Real position, Real speed);
+  void go_to(double position, double speed);
   void halt();
   [[nodiscard]] bool is_moving() const;
   /// `way` towards the switch.
-  [[nodiscard]] Real towards(Real way) const { return spec_.towards_max ? way : -way; }
+  [[nodiscard]] double towards(double way) const { return spec_.towards_max ? way : -way; }
 
-  HomingSpec<Real> spec_;
+  HomingSpec spec_;
   SwitchInput switch_;
-  FreeAxis<Real>* axis_;
-  SetpointTrail<Real> trail_;
+  FreeAxis* axis_;
+  SetpointTrail trail_;
   HomingPhase phase_ = HomingPhase::waiting;
   HomingFailure failure_ = HomingFailure::none;
-  Real start_ = 0;
-  Real edge_ = 0;  ///< position of the latest first edge ...
+  double start_ = 0;
+  double edge_ = 0;  ///< position of the latest first edge ...
   std::int64_t located_ns_ = 0;
   bool is_located_ = false;  ///< ... if that is known
-  Real mark_ = 0;            ///< position of the latest edge that was no noise
-  Real shift_ = 0;
+  double mark_ = 0;          ///< position of the latest edge that was no noise
+  double shift_ = 0;
 };
 
 enum class HomingState : std::uint8_t {
@@ -109,11 +107,10 @@ enum class HomingState : std::uint8_t {
 /// The caller sends the setpoints and uses unreferenced axes for nothing else. When an axis is referenced,
 /// the caller adds AxisHoming::shift() to its coordinates with FreeAxis::place and FreeAxis::set_range:
 /// homing makes the range of an axis as wide as its ways, and leaves it so.
-template <Precise Real>
 class Homing {
  public:
   /// The axes reach the setpoints of a tick `delay_ns` after it; that is at least a tick.
-  Homing(std::span<AxisHoming<Real>> axes, std::int64_t delay_ns) : axes_(axes), delay_ns_(delay_ns) {}
+  Homing(std::span<AxisHoming> axes, std::int64_t delay_ns) : axes_(axes), delay_ns_(delay_ns) {}
 
   /// Begins with all axes, from where they rest. Errors, all with axis; then nothing has begun: out_of_range
   /// (it is under way already; the axis moves, is on a limit switch, or its drive has a fault; the positions
@@ -123,7 +120,7 @@ class Homing {
   /// since the last tick in the order of their times, and room for a setpoint of every axis; otherwise the
   /// program ends. O(axes x events), no allocation.
   HomingState tick(std::int64_t now_ns, std::span<const HomingInput> inputs,
-                   std::span<const LineEvent> events, std::span<Setpoint<Real>> out);
+                   std::span<const LineEvent> events, std::span<Setpoint> out);
   /// Stops all axes because the operator wants it. The state is then `failed`, unless all axes are
   /// referenced.
   void stop();
@@ -131,21 +128,16 @@ class Homing {
   void halt();
 
   [[nodiscard]] HomingState state() const;
-  [[nodiscard]] std::span<const AxisHoming<Real>> axes() const { return axes_; }
+  [[nodiscard]] std::span<const AxisHoming> axes() const { return axes_; }
   /// The axis whose failure has stopped the others. -1: none; a stop by the operator has no axis.
   [[nodiscard]] std::int32_t failed_axis() const { return failed_axis_; }
 
  private:
   void stop_all_for(HomingFailure failure);
 
-  std::span<AxisHoming<Real>> axes_;
+  std::span<AxisHoming> axes_;
   std::int64_t delay_ns_;
   std::int32_t failed_axis_ = -1;
 };
-
-extern template class AxisHoming<double>;
-extern template class AxisHoming<float>;
-extern template class Homing<double>;
-extern template class Homing<float>;
 
 }  // namespace inbetween

@@ -13,7 +13,6 @@
 namespace inbetween {
 
 /// The last setpoints of an axis with the times at which they are reached.
-template <Precise Real>
 class SetpointTrail {
  public:
   /// A few ticks suffice: an edge is reported on the first or second tick after it.
@@ -21,25 +20,22 @@ class SetpointTrail {
 
   void clear() { count_ = 0; }
   /// Adds a setpoint; `at_ns` is later than that of the setpoint before. A full trail drops the oldest.
-  void push(std::int64_t at_ns, const Setpoint<Real>& setpoint);
+  void push(std::int64_t at_ns, const Setpoint& setpoint);
   /// The commanded position, on the polynomial of lowest degree that joins the two setpoints around it. None
   /// outside the trail. O(capacity).
-  [[nodiscard]] std::optional<Real> position_at(std::int64_t at_ns) const;
+  [[nodiscard]] std::optional<double> position_at(std::int64_t at_ns) const;
 
  private:
   struct Step {
     std::int64_t at_ns = 0;
-    Setpoint<Real> setpoint;
+    Setpoint setpoint;
   };
   [[nodiscard]] const Step& step(std::size_t age) const;
-  static Real between(const Step& from, const Step& to, std::int64_t at_ns);
+  static double between(const Step& from, const Step& to, std::int64_t at_ns);
 
   std::array<Step, capacity> steps_{};
   std::size_t count_ = 0;
   std::size_t newest_ = 0;
 };
-
-extern template class SetpointTrail<double>;
-extern template class SetpointTrail<float>;
 
 }  // namespace inbetween

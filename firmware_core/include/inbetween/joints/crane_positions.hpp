@@ -12,14 +12,13 @@ namespace inbetween {
 
 /// A carriage on a straight track, a column that swings, and a boom that rises. The head does not turn about
 /// the boom's axis, or its centre is a point of the boom.
-template <Precise Real>
 struct CameraCrane {
-  Vector3<Real> track;   ///< where the carriage slides to
-  Vector3<Real> column;  ///< the axis of the swing, square to the track
-  Vector3<Real> boom;    ///< the axis of the boom, square to the column
-  Vector3<Real> foot;    ///< a point of the column's axis (m)
-  Vector3<Real> level;   ///< what of the way from the foot to the head swings and does not rise (m)
-  Vector3<Real> raised;  ///< what of it turns with the boom (m)
+  Vector3 track;   ///< where the carriage slides to
+  Vector3 column;  ///< the axis of the swing, square to the track
+  Vector3 boom;    ///< the axis of the boom, square to the column
+  Vector3 foot;    ///< a point of the column's axis (m)
+  Vector3 level;   ///< what of the way from the foot to the head swings and does not rise (m)
+  Vector3 raised;  ///< what of it turns with the boom (m)
 };
 
 /// Which of four solutions. The boom leans forward in the direction column x boom.
@@ -28,58 +27,39 @@ struct CraneSides {
   bool is_behind = false;   ///< the head is behind the foot, seen along the track
 };
 
-template <Precise Real>
 struct CranePositions {
-  Real track = 0;  ///< m
-  Real swing = 0;  ///< rad, from -2 pi to 2 pi
-  Real boom = 0;   ///< rad, from -2 pi to 2 pi
+  double track = 0;  ///< m
+  double swing = 0;  ///< rad, from -2 pi to 2 pi
+  double boom = 0;   ///< rad, from -2 pi to 2 pi
 };
 
 /// The positions that put the centre of the head on `head`. The height alone gives the boom, the distance
 /// from the track the swing. Errors: not_finite, no_solution (higher, lower or farther from the track than
 /// the boom reaches), singular (the head on the axis of the column, or no boom: any angle would do).
 /// O(1), about 1000 operations.
-template <Precise Real>
-Result<CranePositions<Real>> crane_positions(const CameraCrane<Real>& crane, const Vector3<Real>& head,
-                                             CraneSides sides);
+Result<CranePositions> crane_positions(const CameraCrane& crane, const Vector3& head, CraneSides sides);
 
 /// Axes through one point: the camera hangs on the roll, the roll on the tilt, the tilt on the pan. The axis
 /// of the tilt is square to both others. A head without roll has the direction of the lens in its place.
-template <Precise Real>
 struct CameraHead {
-  Vector3<Real> pan;
-  Vector3<Real> tilt;
-  Vector3<Real> roll;
+  Vector3 pan;
+  Vector3 tilt;
+  Vector3 roll;
 };
 
 /// In radians.
-template <Precise Real>
 struct HeadAngles {
-  Real pan = 0;
-  Real tilt = 0;
-  Real roll = 0;
+  double pan = 0;
+  double tilt = 0;
+  double roll = 0;
 };
 
 /// The angles that turn the head like this from where it is at 0. `over` is the solution whose tilt goes over
 /// the top. Errors: not_finite, singular (the axis of the roll would be that of the pan). O(1), about 1200
 /// operations.
-template <Precise Real>
-Result<HeadAngles<Real>> head_angles(const CameraHead<Real>& head, const Rotation3<Real>& turn, bool over);
+Result<HeadAngles> head_angles(const CameraHead& head, const Rotation3& turn, bool over);
 
 /// The same for a direction of the axis of the roll; the roll stays 0.
-template <Precise Real>
-Result<HeadAngles<Real>> head_angles(const CameraHead<Real>& head, const Vector3<Real>& direction, bool over);
-
-extern template Result<CranePositions<double>> crane_positions(const CameraCrane<double>&,
-                                                               const Vector3<double>&, CraneSides);
-extern template Result<CranePositions<float>> crane_positions(const CameraCrane<float>&,
-                                                              const Vector3<float>&, CraneSides);
-extern template Result<HeadAngles<double>> head_angles(const CameraHead<double>&, const Rotation3<double>&,
-                                                       bool);
-extern template Result<HeadAngles<float>> head_angles(const CameraHead<float>&, const Rotation3<float>&,
-                                                      bool);
-extern template Result<HeadAngles<double>> head_angles(const CameraHead<double>&, const Vector3<double>&,
-                                                       bool);
-extern template Result<HeadAngles<float>> head_angles(const CameraHead<float>&, const Vector3<float>&, bool);
+Result<HeadAngles> head_angles(const CameraHead& head, const Vector3& direction, bool over);
 
 }  // namespace inbetween

@@ -7,9 +7,8 @@
 
 namespace inbetween {
 
-template <Precise Real>
 struct Vector3 {
-  Real x = 0, y = 0, z = 0;
+  double x = 0, y = 0, z = 0;
 
   friend constexpr bool operator==(const Vector3&, const Vector3&) = default;
   friend constexpr Vector3 operator+(const Vector3& a, const Vector3& b) {
@@ -18,32 +17,29 @@ struct Vector3 {
   friend constexpr Vector3 operator-(const Vector3& a, const Vector3& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
   }
-  friend constexpr Vector3 operator*(const Vector3& v, Real factor) {
+  friend constexpr Vector3 operator*(const Vector3& v, double factor) {
     return {v.x * factor, v.y * factor, v.z * factor};
   }
   constexpr Vector3& operator+=(const Vector3& other) { return *this = *this + other; }
 };
 
-template <Precise Real>
-constexpr Real dot(const Vector3<Real>& a, const Vector3<Real>& b) {
+constexpr double dot(const Vector3& a, const Vector3& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-template <Precise Real>
-constexpr Vector3<Real> cross(const Vector3<Real>& a, const Vector3<Real>& b) {
+constexpr Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /// A turned frame, by its axes as the frame outside sees them. They are of length 1 and perpendicular.
-template <Precise Real>
 struct Rotation3 {
-  Vector3<Real> x{1, 0, 0};
-  Vector3<Real> y{0, 1, 0};
-  Vector3<Real> z{0, 0, 1};
+  Vector3 x{1, 0, 0};
+  Vector3 y{0, 1, 0};
+  Vector3 z{0, 0, 1};
 
   friend constexpr bool operator==(const Rotation3&, const Rotation3&) = default;
   /// A vector of the turned frame, as the frame outside sees it.
-  friend constexpr Vector3<Real> operator*(const Rotation3& turned, const Vector3<Real>& v) {
+  friend constexpr Vector3 operator*(const Rotation3& turned, const Vector3& v) {
     return turned.x * v.x + turned.y * v.y + turned.z * v.z;
   }
   friend constexpr Rotation3 operator*(const Rotation3& outer, const Rotation3& inner) {
@@ -52,32 +48,29 @@ struct Rotation3 {
 };
 
 /// The frame outside, as the turned frame sees it.
-template <Precise Real>
-constexpr Rotation3<Real> inverse(const Rotation3<Real>& turned) {
+constexpr Rotation3 inverse(const Rotation3& turned) {
   const auto& [x, y, z] = turned;
   return {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
 }
 
 /// A frame turned by an angle about an axis of length 1 (Rodrigues' formula).
-template <Precise Real>
-constexpr Rotation3<Real> turned_about(const Vector3<Real>& axis, const SineCosine<Real>& angle) {
-  const Vector3<Real> s = axis * angle.sine;
-  const Vector3<Real> u = axis * (1 - angle.cosine);
-  const Real c = angle.cosine;
+constexpr Rotation3 turned_about(const Vector3& axis, const SineCosine& angle) {
+  const Vector3 s = axis * angle.sine;
+  const Vector3 u = axis * (1 - angle.cosine);
+  const double c = angle.cosine;
   return {{u.x * axis.x + c, u.x * axis.y + s.z, u.x * axis.z - s.y},
           {u.y * axis.x - s.z, u.y * axis.y + c, u.y * axis.z + s.x},
           {u.z * axis.x + s.y, u.z * axis.y - s.x, u.z * axis.z + c}};
 }
 
 /// A frame in space: how it is turned and where its origin is (m).
-template <Precise Real>
 struct Pose {
-  Rotation3<Real> rotation;
-  Vector3<Real> position;
+  Rotation3 rotation;
+  Vector3 position;
 
   friend constexpr bool operator==(const Pose&, const Pose&) = default;
   /// A point of the frame, as the frame outside sees it.
-  friend constexpr Vector3<Real> operator*(const Pose& pose, const Vector3<Real>& point) {
+  friend constexpr Vector3 operator*(const Pose& pose, const Vector3& point) {
     return pose.rotation * point + pose.position;
   }
   friend constexpr Pose operator*(const Pose& outer, const Pose& inner) {

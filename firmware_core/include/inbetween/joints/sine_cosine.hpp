@@ -6,27 +6,19 @@ namespace inbetween {
 
 /// The largest magnitude of an angle whose sine is computed, in radians: up to here the number of quarter
 /// turns times the leading parts of pi/2 has no rounding error.
-template <Precise Real>
-inline constexpr Real max_angle = static_cast<Real>(1e6);
-template <>
-inline constexpr float max_angle<float> = 1000.0F;
+inline constexpr double max_angle = 1e6;
 
-template <Precise Real>
 struct SineCosine {
-  Real sine = 0;
-  Real cosine = 1;
+  double sine = 0;
+  double cosine = 1;
 };
 
-/// Sine and cosine of an angle in radians, |angle| <= max_angle<Real>, each within one unit in the last place
+/// Sine and cosine of an angle in radians, |angle| <= max_angle, each within one unit in the last place
 /// of the exact value. Same bits on every target: sums and products only, and no call of a mathematical
 /// library, whose results differ from one to the next.
 ///
 /// Method: subtraction of quarter turns with pi/2 in three parts (Cody and Waite, Software Manual for the
 /// Elementary Functions, 1980), then the Taylor series on [-pi/4, pi/4]. About 60 operations.
-template <Precise Real>
-SineCosine<Real> sine_cosine(Real angle);
-
-extern template SineCosine<double> sine_cosine(double angle);
-extern template SineCosine<float> sine_cosine(float angle);
+SineCosine sine_cosine(double angle);
 
 }  // namespace inbetween

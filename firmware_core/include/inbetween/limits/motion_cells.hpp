@@ -34,12 +34,12 @@ struct MotionCells {
 };
 
 /// Raises the cells of some axes, from `first_axis` on, by a part of their trajectory (bound_cells).
-void raise_cells(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+void raise_cells(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
                  std::size_t first_axis, const MotionCells& cells);
 
 /// Raises the cells of some axes, from `first_axis` on, by their rolls. `memory` is free again behind it.
 /// Errors: those of roll_trajectory.
-Status raise_cells(std::span<const RollAxis<double>> rolls, std::size_t first_axis, const MotionCells& cells,
+Status raise_cells(std::span<const RollAxis> rolls, std::size_t first_axis, const MotionCells& cells,
                    const TrajectoryMemory& memory);
 
 /// Every cell takes in its neighbours.

@@ -17,7 +17,7 @@ namespace inbetween {
 /// A moment at which the motion of a motor is not smooth, or may not be: where a piece of its axis ends, or
 /// where the axis passes a mark.
 struct MotorJoint {
-  FrameTime<double> time;
+  FrameTime time;
   std::int32_t key = -1;  ///< that is passed there
   std::uint32_t piece_before = 0, piece_after = 0;
   std::uint8_t curve_before = 0, curve_after = 0;  ///< pieces of the calibration
@@ -27,14 +27,14 @@ struct MotorJoint {
 /// A motor that follows an axis of a move through a calibration.
 struct CalibratedMotor {
   std::size_t axis = 0;  ///< counted through the tracks
-  const Calibration<double>* calibration = nullptr;
+  const Calibration* calibration = nullptr;
 };
 
 /// An axis whose motor is fitted.
 struct MotorSource {
   const Trajectory* trajectory = nullptr;  ///< that the axis plays
   std::size_t axis = 0;                    ///< of the trajectory
-  const Calibration<double>* calibration = nullptr;
+  const Calibration* calibration = nullptr;
   double travel = 0;  ///< what the axis travels in the whole motion: FitTolerances::travel
 };
 
@@ -47,7 +47,7 @@ struct MotorSource {
 Result<Trajectory> fit_motor(const MotorSource& source, std::span<MotorJoint> joints,
                              const TrajectoryMemory& memory);
 /// The same on a roll of the axis.
-Result<Trajectory> fit_motor(const RollAxis<double>& roll, const Calibration<double>& calibration,
+Result<Trajectory> fit_motor(const RollAxis& roll, const Calibration& calibration,
                              std::span<MotorJoint> joints, const TrajectoryMemory& memory);
 
 }  // namespace inbetween

@@ -33,7 +33,7 @@ inline constexpr double step_rounding = 1e-9;
 /// This holds what is proven of a move, in the caller's memory.
 struct MoveBounds {
   /// One for every axis, and behind them one for every motor, in its unit.
-  std::span<AxisPeaks<double>> peaks;
+  std::span<AxisPeaks> peaks;
   std::span<MoveStep> steps;
   std::size_t step_count = 0;  ///< of all steps; those for which `steps` has no room are left out
   MotionCells cells = {};      ///< none where CellLine::cells is 0
@@ -53,9 +53,9 @@ struct MoveBoundsMemory {
   /// A track is fitted in as many stretches as are needed for one to fit in here: from one joint to the next
   /// but one it must.
   TrajectoryMemory trajectory;
-  std::span<double> travel;            ///< axes of the track that has most
-  std::span<AxisPeaks<double>> peaks;  ///< the same
-  std::span<TrajectoryStep> steps;     ///< the same
+  std::span<double> travel;         ///< axes of the track that has most
+  std::span<AxisPeaks> peaks;       ///< the same
+  std::span<TrajectoryStep> steps;  ///< the same
   /// Motors are fitted in here, one after the other: a motor has the joints and pieces of its axis, and those
   /// that its passings of marks make.
   std::span<MotorJoint> motor_joints = {};
@@ -71,9 +71,9 @@ struct MoveBoundsStorage {
   std::array<SampledJoint, Joints> joints;
   TrajectoryStorage<TrackAxes, Pieces, Breaks> trajectory;
   std::array<double, TrackAxes> travel;
-  std::array<AxisPeaks<double>, TrackAxes> stretch_peaks;
+  std::array<AxisPeaks, TrackAxes> stretch_peaks;
   std::array<TrajectoryStep, TrackAxes> stretch_steps;
-  std::array<AxisPeaks<double>, Axes> peaks;
+  std::array<AxisPeaks, Axes> peaks;
   std::array<MoveStep, Steps> steps;
   std::array<MotionTriple, Axes> room;
   std::array<MotionTriple, Axes * Cells> suprema;
@@ -82,7 +82,7 @@ struct MoveBoundsStorage {
     return {joints, trajectory.memory(), travel, stretch_peaks, stretch_steps};
   }
   /// bound_move puts what it finds here. The caller writes `room` where there are cells (write_room).
-  [[nodiscard]] MoveBounds bounds(const Move<double>& move, std::size_t cells, std::size_t motors = 0) {
+  [[nodiscard]] MoveBounds bounds(const Move& move, std::size_t cells, std::size_t motors = 0) {
     const std::size_t all = move.axis_count() + motors;
     return {.peaks = std::span(peaks).first(all),
             .steps = steps,
@@ -102,8 +102,7 @@ struct MoveBoundsStorage {
 ///
 /// Errors: wrong_count (tracks, limits, peaks, cells), out_of_range (a motor of no axis), capacity (memory),
 /// those of fit_trajectory. No allocation. Cost: the fit, and O((pieces + cells) * axes).
-Status bound_move(const Move<double>& move, std::span<const Track<double>> tracks,
-                  std::span<const AxisLimits<double>> limits, std::span<const CalibratedMotor> motors,
-                  const MoveBoundsMemory& memory, MoveBounds& out);
+Status bound_move(const Move& move, std::span<const Track> tracks, std::span<const AxisLimits> limits,
+                  std::span<const CalibratedMotor> motors, const MoveBoundsMemory& memory, MoveBounds& out);
 
 }  // namespace inbetween

@@ -20,34 +20,33 @@ inline constexpr double frame_rounding = 1e-9;
 /// where a key on which the motion steps is met there, within what a lock promises. Returns whether any axis
 /// moves beyond rounding. There are as many trajectories, of whole tracks, as tracks, or none for a whole
 /// move. `out` has an entry for every axis of all tracks. O(axes + log pieces).
-bool joints_of_part(std::span<const Track<double>> tracks, std::span<const Trajectory> trajectories,
-                    const WholeFrames& part, RollEnd end, std::span<AxisMotion<double>> out);
+bool joints_of_part(std::span<const Track> tracks, std::span<const Trajectory> trajectories,
+                    const WholeFrames& part, RollEnd end, std::span<AxisMotion> out);
 
 /// A move that is moving at one end and has no roll there, and the limit in the way.
 struct RollObstacle {
   RollEnd end = RollEnd::before;
-  RollBreach<double> breach;  ///< its axis counts through the tracks
+  RollBreach breach;          ///< its axis counts through the tracks
   double joint_position = 0;  ///< of that axis, where the roll would join the move
 };
 
 /// What joins a part of a move: its rolls, and at an end where one is needed and none keeps the limits, why.
 struct JoinedRolls {
-  MoveRolls<double> rolls;
+  MoveRolls rolls;
   std::array<std::optional<RollObstacle>, 2> obstacles;  ///< before it, behind it
 };
 
 /// An entry for every axis each, owned by the caller. The rolls stay in it.
 struct RollMemory {
-  std::span<AxisMotion<double>> joints;
-  std::span<RollAxis<double>> before, after;
+  std::span<AxisMotion> joints;
+  std::span<RollAxis> before, after;
 };
 
 /// The shortest rolls that keep the limits, `limits` track after track, of the frames `part`; trajectories as
 /// for joints_of_part(). Each end has its own number of frames. Errors: wrong_count (limits, memory), those
 /// of roll_frames and RollAxis::make. No allocation. Cost: that of roll_frames.
-Result<JoinedRolls> join_rolls(std::span<const Track<double>> tracks,
-                               std::span<const Trajectory> trajectories,
-                               std::span<const AxisLimits<double>> limits, const WholeFrames& part,
+Result<JoinedRolls> join_rolls(std::span<const Track> tracks, std::span<const Trajectory> trajectories,
+                               std::span<const AxisLimits> limits, const WholeFrames& part,
                                const RollMemory& memory);
 
 /// The motor of an axis behind a calibration plays trajectories of its own (fit_motor).
@@ -66,29 +65,29 @@ class PlayedMotion {
   /// Trajectories of the whole move. Errors: wrong_count (they have not as many axes as the move together; a
   /// motor without a trajectory of the move or of each of its rolls, or of another axis), out_of_range (they
   /// do not last from frame 0 to the last of the whole, or as long as the roll). O(trajectories + motors).
-  static Result<PlayedMotion> make(const Move<double>& move, std::span<const Trajectory> trajectories,
+  static Result<PlayedMotion> make(const Move& move, std::span<const Trajectory> trajectories,
                                    std::span<const PlayedMotor> motors = {});
 
-  [[nodiscard]] const Move<double>& move() const { return move_; }
+  [[nodiscard]] const Move& move() const { return move_; }
   [[nodiscard]] std::span<const Trajectory> trajectories() const { return trajectories_; }
   [[nodiscard]] std::size_t axis_count() const { return move_.axis_count(); }
   [[nodiscard]] std::span<const PlayedMotor> motors() const { return motors_; }
 
   /// The position of every axis. Before Move::first_frame() and after Move::last_frame() the axes rest where
   /// they are on it. `out` has axis_count() entries. O(axes), no allocation.
-  void positions(const FrameTime<double>& time, std::span<double> out) const;
+  void positions(const FrameTime& time, std::span<double> out) const;
   /// Position, velocity, acceleration and jerk of every axis; at a joint those with which the motion leaves
   /// it. Resting outside the time line: derivatives 0. O(axes), no allocation.
-  void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  void motion(const FrameTime& time, std::span<AxisMotion> out) const;
   /// The same of one of the motors, in units of the motor. O(log pieces).
-  [[nodiscard]] AxisMotion<double> motion_of(const PlayedMotor& motor, const FrameTime<double>& time) const;
+  [[nodiscard]] AxisMotion motion_of(const PlayedMotor& motor, const FrameTime& time) const;
 
  private:
-  PlayedMotion(const Move<double>& move, std::span<const Trajectory> trajectories,
+  PlayedMotion(const Move& move, std::span<const Trajectory> trajectories,
                std::span<const PlayedMotor> motors)
       : move_(move), trajectories_(trajectories), motors_(motors) {}
 
-  Move<double> move_;
+  Move move_;
   std::span<const Trajectory> trajectories_;
   std::span<const PlayedMotor> motors_;
 };

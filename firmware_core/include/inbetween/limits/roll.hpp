@@ -46,92 +46,88 @@ struct RollSpan {
 ///     position     p + h s (v + s (a h / 2 + s ((2 a h - 3 v) / 3 + s b / 4)))
 /// and is evaluated so: at the joint it is p, v and a to the last bit, at the other end velocity and
 /// acceleration are exactly 0. An axis with v = a = 0 stays where it is.
-template <Precise Real>
 class RollAxis {
  public:
   /// An axis that rests at 0: room for one that is made later.
   RollAxis() = default;
 
   /// `joint` is what joints_of (move.hpp) says of frame A or B; its jerk is not used.
-  /// Errors: not_finite; out_of_range (frames, fps, or numbers whose bounds are beyond the range of Real).
+  /// Errors: not_finite; out_of_range (frames, fps, or numbers whose bounds are beyond the range of double).
   /// O(1).
-  static Result<RollAxis> make(const RollSpan& span, const AxisMotion<Real>& joint);
+  static Result<RollAxis> make(const RollSpan& span, const AxisMotion& joint);
 
   [[nodiscard]] const RollSpan& span() const { return span_; }
-  [[nodiscard]] Real seconds() const {
+  [[nodiscard]] double seconds() const {
     return span_.end == RollEnd::before ? signed_seconds_ : -signed_seconds_;
   }
   /// The position in which the axis rests before the pre-roll or after the post-roll.
-  [[nodiscard]] Real rest_position() const { return at_share(-1, 0).position; }
+  [[nodiscard]] double rest_position() const { return at_share(-1, 0).position; }
 
   /// At a frame of the roll, in the numbers of the move: below A on a pre-roll, above B on a post-roll. The
   /// jerk at either end is that inside the roll. Beyond the end at rest: resting there. Domain: not on the
   /// move's side of the joint. O(1), no allocation.
-  [[nodiscard]] AxisMotion<Real> motion(const FrameTime<Real>& time) const;
+  [[nodiscard]] AxisMotion motion(const FrameTime& time) const;
   /// The same at a time in seconds from the joint, -T..0 on a pre-roll, 0..T on a post-roll.
-  [[nodiscard]] AxisMotion<Real> motion_at_seconds(Real from_joint) const;
+  [[nodiscard]] AxisMotion motion_at_seconds(double from_joint) const;
 
   /// c[0] + c[1] t + ... + c[4] t^4 is the position t seconds from the joint:
   /// c[0] = p, c[1] = v, c[2] = a / 2.
-  [[nodiscard]] std::array<Real, 5> coefficients() const;
+  [[nodiscard]] std::array<double, 5> coefficients() const;
 
   /// How far, how fast and how hard the axis goes on the roll, both ends included, in closed form: the
   /// extremes lie at the ends and at roots of the derivative, which are linear or known. Never below the
-  /// truth (lowest: never above), rounding included; above it by at most 1e-9 (float: 3e-4) of it, of
-  /// positions by 1e-9 (float: 1e-4) of |p| + T (3 |v| + |a| T). What is largest at the joint is exact. O(1).
-  [[nodiscard]] AxisPeaks<Real> peaks() const;
+  /// truth (lowest: never above), rounding included; above it by at most 1e-9 of it, of
+  /// positions by 1e-9 of |p| + T (3 |v| + |a| T). What is largest at the joint is exact. O(1).
+  [[nodiscard]] AxisPeaks peaks() const;
 
  private:
-  RollAxis(const RollSpan& span, const AxisMotion<Real>& joint, Real signed_seconds)
+  RollAxis(const RollSpan& span, const AxisMotion& joint, double signed_seconds)
       : span_(span),
         joint_(joint),
         signed_seconds_(signed_seconds),
         quartic_(joint.acceleration * signed_seconds - 2 * joint.velocity) {}
 
-  [[nodiscard]] AxisMotion<Real> at_share(Real s, Real u) const;
-  [[nodiscard]] Real frame_at(Real u) const;
-  void bound_position(Real rounding, AxisPeaks<Real>& peaks) const;
-  void bound_velocity(Real rounding, AxisPeaks<Real>& peaks) const;
-  void bound_acceleration(Real rounding, AxisPeaks<Real>& peaks) const;
-  void bound_jerk(Real rounding, AxisPeaks<Real>& peaks) const;
-  [[nodiscard]] Real drift() const { return joint_.acceleration * signed_seconds_; }
+  [[nodiscard]] AxisMotion at_share(double s, double u) const;
+  [[nodiscard]] double frame_at(double u) const;
+  void bound_position(double rounding, AxisPeaks& peaks) const;
+  void bound_velocity(double rounding, AxisPeaks& peaks) const;
+  void bound_acceleration(double rounding, AxisPeaks& peaks) const;
+  void bound_jerk(double rounding, AxisPeaks& peaks) const;
+  [[nodiscard]] double drift() const { return joint_.acceleration * signed_seconds_; }
   [[nodiscard]] bool turns_back() const;
 
   RollSpan span_;
-  AxisMotion<Real> joint_;
-  Real signed_seconds_ = 1;  ///< h
-  Real quartic_ = 0;         ///< b
+  AxisMotion joint_;
+  double signed_seconds_ = 1;  ///< h
+  double quartic_ = 0;         ///< b
 };
 
 enum class RollQuantity : std::uint8_t { position, velocity, acceleration, jerk };
 
 /// A limit that a roll does not keep, and where.
-template <Precise Real>
 struct RollBreach {
   std::int32_t axis = -1;
   RollQuantity quantity = RollQuantity::position;
   bool at_joint = false;  ///< the move itself breaks the limit on the frame of the joint: no roll can help
-  Real value = 0;         ///< the bound of RollAxis::peaks
-  Real limit = 0;
-  Real frame = 0;           ///< where, in the numbers of the move; it need not be a whole one
+  double value = 0;       ///< the bound of RollAxis::peaks
+  double limit = 0;
+  double frame = 0;         ///< where, in the numbers of the move; it need not be a whole one
   std::int32_t frames = 0;  ///< of the roll that was looked at
 };
 
 /// The same axes in the same order: those of all tracks.
-template <Precise Real>
 struct RollRequest {
   RollEnd end = RollEnd::before;
   std::int32_t joint_frame = 0;  ///< A before, B after
   FrameRate fps;
-  std::span<const AxisMotion<Real>> joints;  ///< of frame A or B, one-sided
-  std::span<const AxisLimits<Real>> limits;
+  std::span<const AxisMotion> joints;  ///< of frame A or B, one-sided
+  std::span<const AxisLimits> limits;
 };
 
 /// The first limit that the roll of `frames` frames breaks, by axis; of an axis velocity first, then
 /// acceleration, jerk, position. Empty where all hold. Errors: wrong_count (joints, limits), out_of_range
 /// (fps), those of RollAxis::make, with axis. O(axes).
-template <Precise Real>
-Result<std::optional<RollBreach<Real>>> roll_breach(const RollRequest<Real>& request, std::int32_t frames);
+Result<std::optional<RollBreach>> roll_breach(const RollRequest& request, std::int32_t frames);
 
 /// The smallest whole number of frames for which every axis keeps its limits of position, velocity,
 /// acceleration and jerk on the roll; 0 where every axis is at rest already (v = a = 0), because then there
@@ -153,17 +149,12 @@ Result<std::optional<RollBreach<Real>>> roll_breach(const RollRequest<Real>& req
 ///
 /// Errors: no_solution, with axis, frame = joint_frame and the limit in the way (see roll_obstacle for value
 /// and place); those of roll_breach. Cost: O(axes) a number tried, about 40 ns an axis on a desktop machine.
-template <Precise Real>
-Result<std::int32_t> roll_frames(const RollRequest<Real>& request);
+Result<std::int32_t> roll_frames(const RollRequest& request);
 
 /// Why roll_frames found none: the limit that it names, with number and place; empty where it found one.
 /// It is the first limit met that no longer roll keeps; where the search ended without one, the position on
 /// the shortest roll that is gentle enough; and where none is, the acceleration or jerk on the longest.
 /// Errors and cost: those of roll_frames, no_solution excepted.
-template <Precise Real>
-Result<std::optional<RollBreach<Real>>> roll_obstacle(const RollRequest<Real>& request);
-
-extern template class RollAxis<double>;
-extern template class RollAxis<float>;
+Result<std::optional<RollBreach>> roll_obstacle(const RollRequest& request);
 
 }  // namespace inbetween

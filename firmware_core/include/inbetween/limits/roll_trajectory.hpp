@@ -15,6 +15,6 @@ namespace inbetween {
 /// and has no velocity and no acceleration at its other end.
 ///
 /// Errors: wrong_count (no axis, or no bucket), capacity (pieces: 1; values: 6 for each axis). O(axes).
-Result<Trajectory> roll_trajectory(std::span<const RollAxis<double>> rolls, const TrajectoryMemory& memory);
+Result<Trajectory> roll_trajectory(std::span<const RollAxis> rolls, const TrajectoryMemory& memory);
 
 }  // namespace inbetween

@@ -32,31 +32,27 @@ inline constexpr int min_jerk_ticks = 8;
 
 /// One cell of the time line. `rate_change` and `release_jerk` are those of its beginning, linear from there
 /// to the next.
-template <Precise Real>
 struct StopCell {
-  Real rate_change = 0;
-  Real rate_jerk = 0;
-  Real release_jerk = 0;
+  double rate_change = 0;
+  double rate_jerk = 0;
+  double release_jerk = 0;
 };
 
 /// The bounds at one place. |a| <= rate_change, |j| <= rate_jerk.
-template <Precise Real>
 struct StopBound {
-  Real rate_change = 0;   ///< R1, 1/s
-  Real rate_jerk = 0;     ///< R2, 1/s^2
-  Real release_jerk = 0;  ///< Q <= R2, 1/s^2: what a release may be planned with
+  double rate_change = 0;   ///< R1, 1/s
+  double rate_jerk = 0;     ///< R2, 1/s^2
+  double release_jerk = 0;  ///< Q <= R2, 1/s^2: what a release may be planned with
 };
 
 /// From the highest rate, and from the worst rate change there, to rest.
-template <Precise Real>
 struct StopLength {
-  Real seconds = 0;
-  Real frames = 0;  ///< on the time line
+  double seconds = 0;
+  double frames = 0;  ///< on the time line
 };
-template <Precise Real>
 struct LongestStop {
-  StopLength<Real> length;
-  Real from_frame = 0;  ///< near which it begins
+  StopLength length;
+  double from_frame = 0;  ///< near which it begins
   bool forward = true;
 };
 
@@ -64,58 +60,53 @@ enum class StopQuantity : std::uint8_t { acceleration, jerk };
 
 /// A place from which no stop keeps the limits: what the axis does at the highest rate alone takes all of
 /// them.
-template <Precise Real>
 struct StopObstacle {
   std::int32_t axis = -1;  ///< counted through the tracks; behind them the motors
   StopQuantity quantity = StopQuantity::acceleration;
-  Real value = 0;  ///< a bound of |p2| rate^2 or |p3| rate^3; infinity where there is none
-  Real limit = 0;
-  Real frame = 0;  ///< near which it is; it need not be a whole one, and is negative on a pre-roll
+  double value = 0;  ///< a bound of |p2| rate^2 or |p3| rate^3; infinity where there is none
+  double limit = 0;
+  double frame = 0;  ///< near which it is; it need not be a whole one, and is negative on a pre-roll
 };
 
-template <Precise Real>
 class StopBounds;
 
 /// The caps of |a| and |j|, where the axes could bear more.
-template <Precise Real>
 struct StopCaps {
-  Real max_rate_change;
-  Real max_rate_jerk;
+  double max_rate_change;
+  double max_rate_jerk;
 
-  StopCaps(Real rate, Real tick_seconds)
+  StopCaps(double rate, double tick_seconds)
       : max_rate_change(rate / (min_stop_ticks * tick_seconds)),
         max_rate_jerk(max_rate_change / (min_jerk_ticks * tick_seconds)) {}
 };
 
 /// Stop bounds are made for this.
-template <Precise Real>
 struct StopRequest {
   const MotionCells& motion;  ///< what the move does
   /// One for every axis, track after track, and then one for every motor, in units of the motor.
-  std::span<const AxisLimits<Real>> limits;
-  Real rate = 1;                      ///< the highest |r|
-  Real tick_seconds = Real(1) / 250;  ///< of the playhead that will follow the bounds
+  std::span<const AxisLimits> limits;
+  double rate = 1;                  ///< the highest |r|
+  double tick_seconds = 1.0 / 250;  ///< of the playhead that will follow the bounds
   /// Bounds of stops, made for the same move and as many cells, for at least this rate: what is made stays
   /// within them. It is for changes of the rate that are no stop: `limits` are those of the motion.
-  const StopBounds<Real>* within = nullptr;
+  const StopBounds* within = nullptr;
   /// Such changes may wait. Where the motion leaves next to nothing of the limits the rate stays what it is:
   /// R1 = R2 = 0 there, and no place is an obstacle.
   bool may_wait = false;
 
-  [[nodiscard]] StopCaps<Real> caps() const { return {rate, tick_seconds}; }
-  [[nodiscard]] Real max_rate_change() const { return caps().max_rate_change; }
-  [[nodiscard]] Real max_rate_jerk() const { return caps().max_rate_jerk; }
+  [[nodiscard]] StopCaps caps() const { return {rate, tick_seconds}; }
+  [[nodiscard]] double max_rate_change() const { return caps().max_rate_change; }
+  [[nodiscard]] double max_rate_jerk() const { return caps().max_rate_jerk; }
 };
 
 /// How many cells the time line of a move is proven in for rates up to `rate` times the drawn speed: one for
 /// a frame, 64 to max_stop_cells, and none shorter than two ticks.
 inline constexpr std::int64_t max_stop_cells = 4096;
-std::size_t stop_cells(const Move<double>& move, std::int32_t rate_hz, double rate);
+std::size_t stop_cells(const Move& move, std::int32_t rate_hz, double rate);
 
 /// How far above the truth the suprema of a cell may be and cost a stop no more than a thousandth: a share of
 /// what the limits leave. `out` has an entry for every limit.
-template <Precise Real>
-void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_seconds,
+void write_room(std::span<const AxisLimits> limits, double rate, double tick_seconds,
                 std::span<MotionTriple> out);
 
 /// Bounds R1, R2 and Q as functions of u such that for |r| <= rate, |a| <= R1(u), |j| <= R2(u) every axis
@@ -144,7 +135,6 @@ void write_room(std::span<const AxisLimits<Real>> limits, Real rate, Real tick_s
 /// still braking at less than its release would already be outside.
 ///
 /// Beyond either end of the time line the bounds are those at the end.
-template <Precise Real>
 class StopBounds {
  public:
   /// `cells` has one entry more than the motion has cells; the bounds keep it. Every cell of the motion takes
@@ -157,25 +147,24 @@ class StopBounds {
   /// legal: `obstacle`, if it is given, then says more, of the cells in order of time the first, of it the
   /// first axis; wrong_count (limits, peaks, cells, suprema), out_of_range (rate). No allocation.
   /// O(cells * axes).
-  static Result<StopBounds> make(const StopRequest<Real>& request, std::span<StopCell<Real>> cells,
-                                 std::span<AxisPeaks<Real>> peaks,
-                                 std::optional<StopObstacle<Real>>* obstacle = nullptr);
+  static Result<StopBounds> make(const StopRequest& request, std::span<StopCell> cells,
+                                 std::span<AxisPeaks> peaks, std::optional<StopObstacle>* obstacle = nullptr);
 
-  [[nodiscard]] Real rate() const { return rate_; }
+  [[nodiscard]] double rate() const { return rate_; }
   /// Whether others with so many entries for cells, for rates up to `rate`, can be `within` these.
-  [[nodiscard]] bool is_as_fine_as(std::size_t cell_entries, Real rate) const {
+  [[nodiscard]] bool is_as_fine_as(std::size_t cell_entries, double rate) const {
     return cells_.size() == cell_entries && rate <= rate_;
   }
   /// Whether a rate and its change, both along the way of travel, are within V at a place, or off by
   /// rounding. O(1).
-  [[nodiscard]] bool permits(const FrameTime<Real>& time, Real rate, Real change) const;
+  [[nodiscard]] bool permits(const FrameTime& time, double rate, double change) const;
   /// O(1).
-  [[nodiscard]] StopBound<Real> at(const FrameTime<Real>& time) const;
+  [[nodiscard]] StopBound at(const FrameTime& time) const;
   /// The smallest value of each bound between two places, `from` not after `to`. O(cells between them).
-  [[nodiscard]] StopBound<Real> min_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
-  [[nodiscard]] Real rate_change(const FrameTime<Real>& time) const { return at(time).rate_change; }
-  [[nodiscard]] Real rate_jerk(const FrameTime<Real>& time) const { return at(time).rate_jerk; }
-  [[nodiscard]] Real release_jerk(const FrameTime<Real>& time) const { return at(time).release_jerk; }
+  [[nodiscard]] StopBound min_between(const FrameTime& from, const FrameTime& to) const;
+  [[nodiscard]] double rate_change(const FrameTime& time) const { return at(time).rate_change; }
+  [[nodiscard]] double rate_jerk(const FrameTime& time) const { return at(time).rate_jerk; }
+  [[nodiscard]] double release_jerk(const FrameTime& time) const { return at(time).release_jerk; }
 
   /// A bound of how long and how far any stop from this place goes that brakes as hard as V allows, whatever
   /// rate and rate change it begins with. Counted to its end even where it would pass the end of the time
@@ -185,41 +174,38 @@ class StopBounds {
   /// above 0 last at most t = min(a / q, sqrt(2 rate / q)), and then the rate is at most `rate`; from there
   /// at every rate the real stop brakes at least as hard as one under the constants r1 and q, so that both
   /// seconds and distance, the integrals of 1 / |a| and r / |a| over r, are less.
-  [[nodiscard]] StopLength<Real> stop_from(const FrameTime<Real>& time, bool forward) const;
+  [[nodiscard]] StopLength stop_from(const FrameTime& time, bool forward) const;
   /// make finds the longest stops among all places. Bounds that may wait have none.
-  [[nodiscard]] const LongestStop<Real>& longest_in_time() const { return longest_in_time_; }
-  [[nodiscard]] const LongestStop<Real>& longest_in_frames() const { return longest_in_frames_; }
+  [[nodiscard]] const LongestStop& longest_in_time() const { return longest_in_time_; }
+  [[nodiscard]] const LongestStop& longest_in_frames() const { return longest_in_frames_; }
 
  private:
-  StopBounds(const StopRequest<Real>& request, std::span<StopCell<Real>> cells);
+  StopBounds(const StopRequest& request, std::span<StopCell> cells);
   struct Place {
     std::size_t cell = 0;
-    Real share = 0;  ///< of the cell, 0..1
+    double share = 0;  ///< of the cell, 0..1
   };
-  [[nodiscard]] Place place(const FrameTime<Real>& time) const;
+  [[nodiscard]] Place place(const FrameTime& time) const;
   [[nodiscard]] std::size_t cell_count() const { return cells_.size() - 1; }
   void stay_within(const StopBounds& stops);
   void make_continuous();
   void limit_rate_change(std::size_t from, std::size_t to, std::size_t cell);
   void limit_release_jerk(std::size_t from, std::size_t to, std::size_t cell);
-  [[nodiscard]] Real rising_in(std::size_t cell) const {
+  [[nodiscard]] double rising_in(std::size_t cell) const {
     return std::max(cells_[cell].rate_change, cells_[cell + 1].rate_change);
   }
-  [[nodiscard]] Real frames_in(Real seconds) const { return seconds / cell_seconds_ * cell_frames_; }
-  [[nodiscard]] StopLength<Real> stop_from_cell(std::size_t cell, bool forward) const;
+  [[nodiscard]] double frames_in(double seconds) const { return seconds / cell_seconds_ * cell_frames_; }
+  [[nodiscard]] StopLength stop_from_cell(std::size_t cell, bool forward) const;
   void find_longest();
 
-  std::span<StopCell<Real>> cells_;
-  Real rate_ = 1;
-  Real cell_seconds_ = 0;
-  Real cell_frames_ = 0;
+  std::span<StopCell> cells_;
+  double rate_ = 1;
+  double cell_seconds_ = 0;
+  double cell_frames_ = 0;
   std::int32_t first_frame_ = 0;
   std::int32_t frames_ = 1;  ///< of the time line
-  LongestStop<Real> longest_in_time_;
-  LongestStop<Real> longest_in_frames_;
+  LongestStop longest_in_time_;
+  LongestStop longest_in_frames_;
 };
-
-extern template class StopBounds<double>;
-extern template class StopBounds<float>;
 
 }  // namespace inbetween

@@ -45,18 +45,18 @@ struct RangeVerdict {
   bool below = false;
   bool above = false;
 };
-RangeVerdict judge_range(double lowest, double highest, const AxisLimits<double>& limits);
+RangeVerdict judge_range(double lowest, double highest, const AxisLimits& limits);
 
 /// Whether a step of the acceleration is too large: an axis with a max_jerk allows none but those up to its
 /// max_acceleration_step. A step of the velocity is never allowed.
-bool breaks_jerk_limit(double acceleration_step, const AxisLimits<double>& limits);
+bool breaks_jerk_limit(double acceleration_step, const AxisLimits& limits);
 
 /// What is proven of a move, and the limits of its axes and, behind them, its motors.
 struct JudgedMove {
-  std::span<const AxisPeaks<double>> peaks;
+  std::span<const AxisPeaks> peaks;
   std::span<const MoveStep> steps;
-  std::span<const AxisLimits<double>> limits;  ///< as many as peaks
-  std::size_t axes = 0;                        ///< the others are motors: their range is that of their axis
+  std::span<const AxisLimits> limits;  ///< as many as peaks
+  std::size_t axes = 0;                ///< the others are motors: their range is that of their axis
 };
 
 /// The first limit that is not kept, axis by axis; nothing where the motion fits. O(peaks * steps).

@@ -14,34 +14,32 @@
 namespace inbetween {
 
 /// The bounds that a motor must keep, in its unit and seconds. All but the ends of its range are above 0.
-template <Precise Real>
 struct WatchBounds {
-  Real min = 0;
-  Real max = 0;
-  Real max_velocity = 0;
-  Real stop_acceleration = 0;
-  Real max_following_error = 0;
-  Real in_position = 0;  ///< no further from its target than this it has arrived
-  Real rest = 0;         ///< it rests where it has not gone further than this in 25 to 50 ms
+  double min = 0;
+  double max = 0;
+  double max_velocity = 0;
+  double stop_acceleration = 0;
+  double max_following_error = 0;
+  double in_position = 0;  ///< no further from its target than this it has arrived
+  double rest = 0;         ///< it rests where it has not gone further than this in 25 to 50 ms
 };
 
 /// In every tick look() takes what the motor tells, and then tell() takes what it is told. Every call is O(1)
 /// and allocates nothing.
-template <Precise Real>
 class AxisWatch {
  public:
-  explicit AxisWatch(const WatchBounds<Real>& bounds) : bounds_(bounds) {}
+  explicit AxisWatch(const WatchBounds& bounds) : bounds_(bounds) {}
 
   /// The drives are switched on anew.
   void reset() { *this = AxisWatch(bounds_); }
 
-  void look(Real actual, std::int64_t now_ns) {
+  void look(double actual, std::int64_t now_ns) {
     actual_ = actual;
     now_ns_ = now_ns;
     long_.look({actual, now_ns}, 25'000'000);
     short_.look({actual, now_ns}, 8'000'000);
   }
-  void tell(Real target) { target_ = target; }
+  void tell(double target) { target_ = target; }
   /// It is told nothing any more.
   void tell_nothing() { target_.reset(); }
 
@@ -50,18 +48,18 @@ class AxisWatch {
     return !target_ || std::fabs(actual_ - *target_) <= bounds_.in_position;
   }
   /// Its mean speed in the last 25 to 50 ms.
-  [[nodiscard]] Real speed() const { return speed_since(long_.before); }
+  [[nodiscard]] double speed() const { return speed_since(long_.before); }
   /// It has gone further than it may at rest, and is not just coming to rest: what brakes was faster before.
   [[nodiscard]] bool moves() const {
-    constexpr Real goes_on = Real(0.6);
+    constexpr double goes_on = 0.6;
     return long_.before && std::fabs(actual_ - long_.before->place) > bounds_.rest &&
            speed_since(short_.before) > goes_on * speed();
   }
 
   /// Its own drive is to stop it from now on.
   void begin_stop() {
-    const Real velocity = std::min(speed(), bounds_.max_velocity);
-    const Real target = target_.value_or(actual_);
+    const double velocity = std::min(speed(), bounds_.max_velocity);
+    const double target = target_.value_or(actual_);
     stop_ =
         Stop{.target = target,
              .place = actual_,
@@ -80,7 +78,7 @@ class AxisWatch {
 
  private:
   struct Look {
-    Real place;
+    double place;
     std::int64_t at_ns;
   };
   /// Remembers where the motor was at least `apart_ns` ago, and at most twice as long ago.
@@ -93,21 +91,21 @@ class AxisWatch {
       latest = now;
     }
   };
-  [[nodiscard]] Real speed_since(const std::optional<Look>& from) const {
+  [[nodiscard]] double speed_since(const std::optional<Look>& from) const {
     if (!from || now_ns_ <= from->at_ns) return 0;
-    return std::fabs(actual_ - from->place) / (static_cast<Real>(now_ns_ - from->at_ns) * Real(1e-9));
+    return std::fabs(actual_ - from->place) / (static_cast<double>(now_ns_ - from->at_ns) * 1e-9);
   }
   struct Stop {
-    Real target;
-    Real place;
-    Real reach;
+    double target;
+    double place;
+    double reach;
   };
 
-  WatchBounds<Real> bounds_;
-  Real actual_ = 0;
+  WatchBounds bounds_;
+  double actual_ = 0;
   std::int64_t now_ns_ = 0;
   Before long_, short_;
-  std::optional<Real> target_;
+  std::optional<double> target_;
   std::optional<Stop> stop_;
 };
 

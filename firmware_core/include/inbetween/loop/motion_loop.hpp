@@ -21,51 +21,47 @@
 namespace inbetween {
 
 /// The axes of a rig and the move that it is to make. Refers to the caller's memory.
-template <Precise Real>
 struct LoopSpec {
   const PlayedMotion* move = nullptr;
-  Playhead<Real>* playhead = nullptr;
-  std::span<const std::size_t> drive_of;     ///< for every axis of the move
-  std::span<const AxisLimits<Real>> limits;  ///< for every axis of the move
-  Real tick_seconds = Real(1) / 250;
+  Playhead* playhead = nullptr;
+  std::span<const std::size_t> drive_of;  ///< for every axis of the move
+  std::span<const AxisLimits> limits;     ///< for every axis of the move
+  double tick_seconds = 1.0 / 250;
   /// A playhead of its own for some of the axes, on the same move and stop bounds, and which of all they are;
   /// without it `is_still` is empty. The loop plays and stops both.
-  Playhead<Real>* still = nullptr;
+  Playhead* still = nullptr;
   std::span<const bool> is_still = {};
   /// The size of a count of the drive in axis units, for every axis of the move: two positions that are no
   /// further apart are one place. Empty: 0.
-  std::span<const Real> counts = {};
+  std::span<const double> counts = {};
 };
 
 /// Axes that move without a move, to set the rig up. Refers to the caller's memory.
-template <Precise Real>
 struct FreeSpec {
-  FreeSource<Real> source;
-  std::span<const std::size_t> drive_of;     ///< for every axis of the source
-  std::span<const AxisLimits<Real>> limits;  ///< for every axis of the source
-  Real tick_seconds = Real(1) / 250;
+  FreeSource source;
+  std::span<const std::size_t> drive_of;  ///< for every axis of the source
+  std::span<const AxisLimits> limits;     ///< for every axis of the source
+  double tick_seconds = 1.0 / 250;
 };
 
 /// Drives that can be told what the motor behind the calibration of an axis does (MotorPort::plan_motor).
-template <class Drives, class Real>
-concept PlansMotors = requires(Drives& drives, std::size_t drive, const Setpoint<Real>& setpoint) {
+template <class Drives>
+concept PlansMotors = requires(Drives& drives, std::size_t drive, const Setpoint& setpoint) {
   drives.plan_motor(drive, setpoint, setpoint);
 };
 
 /// The memory of a motion loop, owned by the caller.
-template <Precise Real>
 struct LoopMemory {
-  std::span<DriveState<Real>> states;   ///< drives
-  std::span<Setpoint<Real>> setpoints;  ///< drives
-  std::span<Setpoint<Real>> next;       ///< axes of the move
-  std::span<AxisMotion<Real>> motions;  ///< axes of the move
+  std::span<DriveState> states;   ///< drives
+  std::span<Setpoint> setpoints;  ///< drives
+  std::span<Setpoint> next;       ///< axes of the move
+  std::span<AxisMotion> motions;  ///< axes of the move
 };
 
 /// How far from where a move starts an axis may stand: what its acceleration covers in a tick. A drive rests
 /// on whole counts, so that a count is never too far.
-template <Precise Real>
-constexpr Real start_tolerance(Real max_acceleration, Real tick_seconds, Real count) {
-  constexpr Real rounding = std::numeric_limits<Real>::digits > 30 ? Real(1e-6) : Real(1e-3);
+constexpr double start_tolerance(double max_acceleration, double tick_seconds, double count) {
+  constexpr double rounding = 1e-6;
   return std::max(max_acceleration * tick_seconds * tick_seconds, count * (1 + rounding));
 }
 
@@ -82,17 +78,17 @@ struct LoopTick {
 /// max_velocity allows within one tick. Otherwise the lost time stays lost and the rig slows down on the path
 /// (never a burst; docs/faults.md 36). Where a late tick brings about something (the move ends, a shutter
 /// opens) the rig is where that happened, and goes on from there.
-template <Precise Real, DrivePort<Real> Drives, LinePort Lines>
+template <DrivePort Drives, LinePort Lines>
 class MotionLoop {
  public:
   /// `memory` has room for the drives and for the axes of every move that will be loaded.
-  MotionLoop(Drives& drives, Lines& lines, const LoopMemory<Real>& memory)
+  MotionLoop(Drives& drives, Lines& lines, const LoopMemory& memory)
       : drives_(&drives), lines_(&lines), memory_(memory) {}
 
   /// The move that `start` will begin. Errors: out_of_range (a move is running; it has motors behind a
   /// calibration, and the drives cannot play them), wrong_count (drive_of, limits or memory are not as many
   /// as the axes).
-  Status load(const LoopSpec<Real>& spec) {
+  Status load(const LoopSpec& spec) {
     const std::size_t axes = spec.move->axis_count();
     const std::size_t still = spec.still != nullptr ? axes : 0;
     if (const Status possible = can_load(spec.drive_of.size(), spec.limits.size(), axes); !possible) {
@@ -102,7 +98,7 @@ class MotionLoop {
     if (spec.is_still.size() != still || !counts || memory_.motions.size() < axes) {
       return too_few(axes);
     }
-    if constexpr (!PlansMotors<Drives, Real>) {
+    if constexpr (!PlansMotors<Drives>) {
       if (!spec.move->motors().empty()) {
         return Error{.code = ErrorCode::out_of_range,
                      .what = "the drives cannot play the motors of the move",
@@ -116,7 +112,7 @@ class MotionLoop {
 
   /// Axes that move without a move: after `begin` the loop asks their source for setpoints, once a tick
   /// however late it is, until `finish`. Errors: those for a move.
-  Status load(const FreeSpec<Real>& spec) {
+  Status load(const FreeSpec& spec) {
     if (const Status possible = can_load(spec.drive_of.size(), spec.limits.size(), spec.drive_of.size());
         !possible) {
       return possible;
@@ -180,9 +176,9 @@ class MotionLoop {
     LoopTick result;
     read(now_ns);
     if (is_moving()) has_free() ? advance_free(now_ns, result) : advance(ticks, result);
-    drives_->write(sends_setpoints() ? std::span<const Setpoint<Real>>(memory_.setpoints)
-                                     : std::span<const Setpoint<Real>>(),
-                   now_ns);
+    drives_->write(
+        sends_setpoints() ? std::span<const Setpoint>(memory_.setpoints) : std::span<const Setpoint>(),
+        now_ns);
     result.state = state_;
     return result;
   }
@@ -193,8 +189,8 @@ class MotionLoop {
     return is_moving() || state_ == SupervisorState::ready || state_ == SupervisorState::latched;
   }
   /// The setpoints of the last tick, a drive each.
-  [[nodiscard]] std::span<const Setpoint<Real>> setpoints() const { return memory_.setpoints; }
-  [[nodiscard]] std::span<const DriveState<Real>> drive_states() const { return memory_.states; }
+  [[nodiscard]] std::span<const Setpoint> setpoints() const { return memory_.setpoints; }
+  [[nodiscard]] std::span<const DriveState> drive_states() const { return memory_.states; }
 
  private:
   [[nodiscard]] bool is_moving() const {
@@ -205,14 +201,14 @@ class MotionLoop {
     if (has_free()) return free_.is_resting(free_.of);
     return spec_.playhead->is_resting() && (spec_.still == nullptr || spec_.still->is_resting());
   }
-  [[nodiscard]] Setpoint<Real>& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
+  [[nodiscard]] Setpoint& setpoint(std::size_t axis) { return memory_.setpoints[spec_.drive_of[axis]]; }
 
   void read(std::int64_t now_ns) {
     drives_->read(memory_.states, now_ns);
     lines_->read(now_ns);
     const auto any = [&](DriveCondition condition) {
       return std::ranges::any_of(memory_.states,
-                                 [&](const DriveState<Real>& drive) { return drive.condition == condition; });
+                                 [&](const DriveState& drive) { return drive.condition == condition; });
     };
     if (lines_->emergency_stop() || any(DriveCondition::unreachable)) {
       apply(SupervisorEvent::power_lost);
@@ -223,7 +219,7 @@ class MotionLoop {
     } else if (state_ == SupervisorState::faulted) {
       apply(SupervisorEvent::cleared);
     } else if (state_ == SupervisorState::enabling &&
-               std::ranges::all_of(memory_.states, &DriveState<Real>::is_on)) {
+               std::ranges::all_of(memory_.states, &DriveState::is_on)) {
       apply(SupervisorEvent::enabled);
     }
   }
@@ -253,8 +249,8 @@ class MotionLoop {
     if (has_free()) return Done{};
     look_ahead(*spec_.playhead, spec_.still);
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
-      const Real off = std::fabs(memory_.next[d].position - setpoint(d).position);
-      const Real count = spec_.counts.empty() ? Real{0} : spec_.counts[d];
+      const double off = std::fabs(memory_.next[d].position - setpoint(d).position);
+      const double count = spec_.counts.empty() ? 0.0 : spec_.counts[d];
       if (off <= start_tolerance(spec_.limits[d].max_acceleration(), spec_.tick_seconds, count)) continue;
       return Error{.code = ErrorCode::no_solution,
                    .what = "the axis is not where the move starts",
@@ -298,8 +294,8 @@ class MotionLoop {
   }
   /// Goes on by so many ticks. False, and nothing has changed, where an axis would jump.
   bool makes_up(std::int32_t ticks, LoopTick& result) {
-    Playhead<Real> ahead = *spec_.playhead;
-    std::optional<Playhead<Real>> still_ahead;
+    Playhead ahead = *spec_.playhead;
+    std::optional<Playhead> still_ahead;
     if (spec_.still != nullptr) still_ahead = *spec_.still;
     PlayheadEvent event = PlayheadEvent::none;
     for (std::int32_t i = 0; i < ticks && event == PlayheadEvent::none; ++i) {
@@ -314,30 +310,30 @@ class MotionLoop {
     return true;
   }
   void plan_motors() {
-    if constexpr (PlansMotors<Drives, Real>) {
+    if constexpr (PlansMotors<Drives>) {
       for (const PlayedMotor& motor : spec_.move->motors()) {
         const bool is_still = spec_.still != nullptr && spec_.is_still[motor.axis];
-        const Playhead<Real>& playhead = is_still ? *spec_.still : *spec_.playhead;
+        const Playhead& playhead = is_still ? *spec_.still : *spec_.playhead;
         drives_->plan_motor(spec_.drive_of[motor.axis], setpoint(motor.axis),
                             played_by(playhead, spec_.move->motion_of(motor, playhead.time())));
       }
     }
   }
   /// The rate at which the playhead plays may change (chain rule).
-  static Setpoint<Real> played_by(const Playhead<Real>& playhead, const AxisMotion<Real>& motion) {
-    const Real rate = playhead.rate();
+  static Setpoint played_by(const Playhead& playhead, const AxisMotion& motion) {
+    const double rate = playhead.rate();
     return {.position = motion.position,
             .velocity = motion.velocity * rate,
             .acceleration = motion.acceleration * rate * rate + motion.velocity * playhead.rate_change()};
   }
   /// The setpoints where the playheads are: the axes that stand still are where they have a time of their
   /// own.
-  void look_ahead(const Playhead<Real>& playhead, const Playhead<Real>* still) {
+  void look_ahead(const Playhead& playhead, const Playhead* still) {
     look_at(playhead, still == nullptr ? std::span<const bool>() : spec_.is_still, false);
     if (still != nullptr) look_at(*still, spec_.is_still, true);
   }
   /// For all axes, or for those that are still or are not.
-  void look_at(const Playhead<Real>& playhead, std::span<const bool> is_still, bool wanted) {
+  void look_at(const Playhead& playhead, std::span<const bool> is_still, bool wanted) {
     spec_.move->motion(playhead.time(), memory_.motions);
     for (std::size_t d = 0; d < spec_.move->axis_count(); ++d) {
       if (!is_still.empty() && is_still[d] != wanted) continue;
@@ -347,7 +343,7 @@ class MotionLoop {
   /// Whether an axis would go further in this tick than its max_velocity allows.
   [[nodiscard]] bool jumps(std::size_t axes) {
     for (std::size_t d = 0; d < axes; ++d) {
-      const Real way = std::fabs(memory_.next[d].position - setpoint(d).position);
+      const double way = std::fabs(memory_.next[d].position - setpoint(d).position);
       if (way > spec_.limits[d].max_velocity() * spec_.tick_seconds) return true;
     }
     return false;
@@ -398,9 +394,9 @@ class MotionLoop {
 
   Drives* drives_;
   Lines* lines_;
-  LoopMemory<Real> memory_;
-  LoopSpec<Real> spec_;
-  FreeSource<Real> free_;
+  LoopMemory memory_;
+  LoopSpec spec_;
+  FreeSource free_;
   SupervisorState state_ = SupervisorState::disarmed;
 };
 

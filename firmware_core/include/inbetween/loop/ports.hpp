@@ -26,9 +26,8 @@ enum class OwnStop : std::uint8_t {
 };
 
 /// The state that a drive has told until now.
-template <Precise Real>
 struct DriveState {
-  Real actual = 0;  ///< position in axis units
+  double actual = 0;  ///< position in axis units
   bool is_on = false;
   bool is_leaving = false;  ///< it is being switched off, and whoever ends now would leave it half-way
   /// It is where it was told to be, or is told nothing, or does not tell where it is.
@@ -38,10 +37,9 @@ struct DriveState {
 };
 
 /// The drives of a rig, one for each axis, in its order. Nothing waits. `now_ns` is a monotonic time.
-template <class Drives, class Real>
-concept DrivePort = Precise<Real> &&
-    requires(Drives& drives, std::span<DriveState<Real>> states, std::span<const Setpoint<Real>> setpoints,
-             std::int64_t now_ns) {
+template <class Drives>
+concept DrivePort = requires(Drives& drives, std::span<DriveState> states,
+                             std::span<const Setpoint> setpoints, std::int64_t now_ns) {
   /// Takes what has arrived, a bounded amount. Once a tick, before anything else.
   drives.read(states, now_ns);
   /// The setpoints that the drives shall have reached one tick from now; or none, and then nothing may be

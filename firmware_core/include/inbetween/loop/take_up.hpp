@@ -14,24 +14,22 @@ namespace inbetween {
 
 /// The play of a gear, and how it is taken up. Illegal values are refused by whoever reads them: `ticks` is
 /// at least 1, the others are finite.
-template <Precise Real>
 struct Backlash {
   /// What is added to the motor while the axis moves against the approach, signed: below 0 where the approach
   /// is up the motor. Nothing is added while it moves with the approach.
-  Real way = 0;
+  double way = 0;
   bool approach_is_up = true;  ///< the direction in which the axis moves when it approaches
   std::int32_t ticks = 1;      ///< that a take-up lasts
   /// In axis units: so far must the axis come back before it goes the other way. A count of the drive: what
   /// the motor would not make is no reason to cross the play.
-  Real min_return = 0;
+  double min_return = 0;
 };
 
 /// The largest velocity, acceleration and jerk of a take-up of `way` in `seconds`: 15/8, 10/sqrt(3) and 60
 /// times way / seconds^n, those of s^3 (10 - 15 s + 6 s^2).
-template <Precise Real>
-constexpr std::array<Real, 3> take_up_peaks(Real way, Real seconds) {
-  const Real size = way < 0 ? -way : way;
-  return {Real(1.875) * size / seconds, Real(5.773502691896258) * size / (seconds * seconds),
+constexpr std::array<double, 3> take_up_peaks(double way, double seconds) {
+  const double size = way < 0 ? -way : way;
+  return {1.875 * size / seconds, 5.773502691896258 * size / (seconds * seconds),
           60 * size / (seconds * seconds * seconds)};
 }
 
@@ -45,18 +43,17 @@ constexpr std::array<Real, 3> take_up_peaks(Real way, Real seconds) {
 /// turn before has left to do is done, and nothing moves by being switched on.
 ///
 /// It begins as if the axis had approached.
-template <Precise Real>
 class TakeUp {
  public:
   TakeUp() = default;
-  TakeUp(const Backlash<Real>& backlash, Real tick_seconds)
+  TakeUp(const Backlash& backlash, double tick_seconds)
       : backlash_(backlash),
         is_up_(backlash.approach_is_up),
-        seconds_(static_cast<Real>(backlash.ticks) * tick_seconds),
+        seconds_(static_cast<double>(backlash.ticks) * tick_seconds),
         tick_(backlash.ticks) {}
 
   /// One tick later the axis is at `position`. O(1).
-  Setpoint<Real> follow(Real position) {
+  Setpoint follow(double position) {
     turn(position);
     if (!is_crossing() && is_owed()) {
       from_ = to_;
@@ -74,11 +71,11 @@ class TakeUp {
     has_place_ = has_moved_ = false;
   }
   /// What is added in this tick.
-  [[nodiscard]] Setpoint<Real> now() const {
+  [[nodiscard]] Setpoint now() const {
     if (!is_crossing()) return {.position = to_};
-    const Real way = to_ - from_;
-    const Real s = static_cast<Real>(tick_) / static_cast<Real>(backlash_.ticks);
-    const Real left = 1 - s;
+    const double way = to_ - from_;
+    const double s = static_cast<double>(tick_) / static_cast<double>(backlash_.ticks);
+    const double left = 1 - s;
     return {.position = from_ + way * (s * s * s * (10 + s * (6 * s - 15))),
             .velocity = way / seconds_ * (30 * s * s * left * left),
             .acceleration = way / (seconds_ * seconds_) * (60 * s * left * (left - s))};
@@ -89,14 +86,14 @@ class TakeUp {
  private:
   [[nodiscard]] bool is_crossing() const { return tick_ < backlash_.ticks; }
   [[nodiscard]] bool is_owed() const { return has_moved_ && target() != to_; }
-  [[nodiscard]] Real target() const { return is_up_ == backlash_.approach_is_up ? Real(0) : backlash_.way; }
+  [[nodiscard]] double target() const { return is_up_ == backlash_.approach_is_up ? 0.0 : backlash_.way; }
   /// `furthest_` is the furthest position in the direction in which the axis goes.
-  void turn(Real position) {
+  void turn(double position) {
     if (!has_place_) {
       has_place_ = true;
       furthest_ = position;
     }
-    const Real ahead = is_up_ ? position - furthest_ : furthest_ - position;
+    const double ahead = is_up_ ? position - furthest_ : furthest_ - position;
     if (ahead < 0 && -ahead > backlash_.min_return) {
       is_up_ = !is_up_;
     } else if (!(ahead > 0)) {
@@ -106,13 +103,13 @@ class TakeUp {
     has_moved_ = true;
   }
 
-  Backlash<Real> backlash_;
+  Backlash backlash_;
   bool is_up_ = true;
   bool has_place_ = false;
   bool has_moved_ = false;  ///< since setpoints came
-  Real furthest_ = 0;
-  Real seconds_ = 1;
-  Real from_ = 0, to_ = 0;
+  double furthest_ = 0;
+  double seconds_ = 1;
+  double from_ = 0, to_ = 0;
   std::int32_t tick_ = 1;
 };
 

@@ -31,58 +31,54 @@ template <class Number>
 ///   root_before:  u = shift - sqrt(origin - d) * inverse_step
 /// The two square roots fit the neighbourhood of a point with P' = 0 (tension 1, a cusp), where t is
 /// smooth in sqrt(d) and not in d.
-template <Precise Real>
 struct ArcPiece {
   enum class Kind : std::uint8_t { plain, root_after, root_before };
 
-  Real origin = 0;
-  Real shift = 0;
-  Real inverse_step = 0;
-  std::array<Real, 8> c{};
+  double origin = 0;
+  double shift = 0;
+  double inverse_step = 0;
+  std::array<double, 8> c{};
   std::int32_t segment = 0;
   Kind kind = Kind::plain;
 
   /// From the origin to a distance near it: the difference of both is rounded to a share of itself.
-  [[nodiscard]] Real offset(const TwoSum<Real>& distance) const {
-    const Real high = distance.high - origin;
+  [[nodiscard]] double offset(const TwoSum& distance) const {
+    const double high = distance.high - origin;
     return kind == Kind::plain ? high + (distance.low - shift) : high + distance.low;
   }
   /// t so far from the origin. At either end of the piece for a distance beside it: where pieces are shorter
   /// than the last bit of the distance, the one looked up may be a neighbour of the one meant. Rounding of
   /// the distance may point a few ulp beyond the segment; the point is its end.
-  [[nodiscard]] Real t_at(Real offset) const {
+  [[nodiscard]] double t_at(double offset) const {
     return kind == Kind::plain ? plain_t(offset) : t_of(root(offset));
   }
   /// t_at() of a plain piece.
-  [[nodiscard]] Real plain_t(Real offset) const { return t_of(offset * inverse_step); }
+  [[nodiscard]] double plain_t(double offset) const { return t_of(offset * inverse_step); }
 
  private:
-  [[nodiscard]] static Real within(Real x) { return x > 0 ? (x < 1 ? x : Real(1)) : Real(0); }
-  [[nodiscard]] Real t_of(Real raw) const { return within(septic(c, within(raw))); }
-  [[nodiscard]] Real root(Real gap) const {
+  [[nodiscard]] static double within(double x) { return x > 0 ? (x < 1 ? x : 1.0) : 0.0; }
+  [[nodiscard]] double t_of(double raw) const { return within(septic(c, within(raw))); }
+  [[nodiscard]] double root(double gap) const {
     // A gap of the wrong sign is rounding at the very point where the path stands still.
-    if (kind == Kind::root_after) return std::sqrt(gap > 0 ? gap : Real(0)) * inverse_step - shift;
-    return shift - std::sqrt(gap < 0 ? -gap : Real(0)) * inverse_step;
+    if (kind == Kind::root_after) return std::sqrt(gap > 0 ? gap : 0.0) * inverse_step - shift;
+    return shift - std::sqrt(gap < 0 ? -gap : 0.0) * inverse_step;
   }
 };
 
 /// The memory of an arc length, owned by the caller. See ArcLengthStorage for sizes.
-template <Precise Real>
 struct ArcLengthMemory {
-  std::span<ArcPiece<Real>> pieces;        ///< about 12 a segment at delta 1e-4, 17 at 1e-6, 36 at 1e-9
-  std::span<Real> begins;                  ///< as many as pieces: of the piece behind each
-  std::span<std::int32_t> buckets;         ///< any number >= 1; up to 4 a piece make locate() quicker
-  std::span<std::int32_t> first_pieces;    ///< segments + 1
-  std::span<TwoSum<Real>> segment_begins;  ///< segments + 1
+  std::span<ArcPiece> pieces;            ///< about 12 a segment at delta 1e-4, 17 at 1e-6, 36 at 1e-9
+  std::span<double> begins;              ///< as many as pieces: of the piece behind each
+  std::span<std::int32_t> buckets;       ///< any number >= 1; up to 4 a piece make locate() quicker
+  std::span<std::int32_t> first_pieces;  ///< segments + 1
+  std::span<TwoSum> segment_begins;      ///< segments + 1
 };
 
-template <Precise Real>
 class SegmentSpeed;  // of a segment; inside the core
 
-template <Precise Real>
 struct DistanceAndSpeed {
-  TwoSum<Real> distance;
-  Real speed = 0;  ///< by t
+  TwoSum distance;
+  double speed = 0;  ///< by t
 };
 
 /// How a piece is accepted.
@@ -91,92 +87,87 @@ enum class Acceptance : std::uint8_t {
   certified,  ///< a bound by Bernstein coefficients that holds on the whole piece; about 8 times the cost
 };
 
-template <Precise Real>
 struct ArcLengthOptions {
   /// Largest relative error of the speed at which the inverse travels the path.
-  Real delta = Precision<Real>::default_delta;
+  double delta = Precision::default_delta;
   Acceptance acceptance = Acceptance::estimated;
 };
 
 /// Arc length in weighted object space, |diag(weights) dP|. Refers to the caller's memory, not to the path.
-template <Precise Real>
 class ArcLength {
  public:
-  /// Adaptive division in t. A piece's length is 7-point Gauss-Legendre of sigma = |P'| (5-point in single
-  /// precision); its inverse is the septic Hermite interpolant from t' = 1 / sigma, t'' = -q' / (2 q^2) and
-  /// t''' = (q'^2 - q q'' / 2) / sigma^7, q = sigma^2; it is accepted when |q t'^2 - 1| <= 2 delta, or when
-  /// its error is below one rounding of the total length. Segments are normalised by a power of two, so
-  /// neither offset nor scale matters.
+  /// Adaptive division in t. A piece's length is 7-point Gauss-Legendre of sigma = |P'|; its inverse is the
+  /// septic Hermite interpolant from t' = 1 / sigma, t'' = -q' / (2 q^2) and t''' = (q'^2 - q q'' / 2) /
+  /// sigma^7, q = sigma^2; it is accepted when |q t'^2 - 1| <= 2 delta, or when its error is below one
+  /// rounding of the total length. Segments are normalised by a power of two, so neither offset nor scale
+  /// matters.
   ///
   /// Accuracy: |speed / speed as asked - 1| <= delta over every step longer than 1e-6 of the length;
-  /// a shorter step is within delta * step + 8 ulp(length), and in single precision every step: t
-  /// itself is rounded to 2^-24.
-  /// Errors: accuracy (delta below Precision<Real>::smallest_delta or not below 0.1; with the key where
+  /// a shorter step is within delta * step + 8 ulp(length).
+  /// Errors: accuracy (delta below Precision::smallest_delta or not below 0.1; with the key where
   /// the acceptance asked for cannot be reached), out_of_range (a length that is not 0 and below
-  /// Precision<Real>::smallest_square_root), capacity.
+  /// Precision::smallest_square_root), capacity.
   /// Cost: about 0.1 us a piece on a desktop machine.
-  static Result<ArcLength> make(const Path<Real>& path, const ArcLengthOptions<Real>& options,
-                                const ArcLengthMemory<Real>& memory);
+  static Result<ArcLength> make(const Path& path, const ArcLengthOptions& options,
+                                const ArcLengthMemory& memory);
 
   /// Total length in weighted axis units; 0 for a path that stays where it is.
-  [[nodiscard]] Real total() const { return end_.high; }
+  [[nodiscard]] double total() const { return end_.high; }
   /// Length from the start to key `index`, 0..segment_count.
-  [[nodiscard]] const TwoSum<Real>& segment_begin(std::int32_t index) const {
+  [[nodiscard]] const TwoSum& segment_begin(std::int32_t index) const {
     return segment_begins_[static_cast<std::size_t>(index)];
   }
   [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces_.size()); }
   /// In the order of distance.
-  [[nodiscard]] std::span<const ArcPiece<Real>> pieces() const { return pieces_; }
-  [[nodiscard]] Real delta() const { return delta_; }
+  [[nodiscard]] std::span<const ArcPiece> pieces() const { return pieces_; }
+  [[nodiscard]] double delta() const { return delta_; }
   /// The piece in which a distance lies, none for what locate() takes for an end of the path.
-  [[nodiscard]] std::optional<std::size_t> piece_of(const TwoSum<Real>& distance) const {
+  [[nodiscard]] std::optional<std::size_t> piece_of(const TwoSum& distance) const {
     if (distance.high <= 0 || is_at_end(distance.high, distance, 0)) return std::nullopt;
     return piece_at(distance.high);
   }
   /// The distance at which a piece begins; its t there is c[0].
-  [[nodiscard]] TwoSum<Real> begin_of(std::size_t piece) const {
-    if (pieces_[piece].kind == ArcPiece<Real>::Kind::plain)
-      return {pieces_[piece].origin, pieces_[piece].shift};
-    return {piece > 0 ? next_begins_[piece - 1] : Real(0), 0};
+  [[nodiscard]] TwoSum begin_of(std::size_t piece) const {
+    if (pieces_[piece].kind == ArcPiece::Kind::plain) return {pieces_[piece].origin, pieces_[piece].shift};
+    return {piece > 0 ? next_begins_[piece - 1] : 0.0, 0};
   }
 
   /// The point at a distance from the start, begin + way: the start itself at 0, and at or beyond the total
   /// length the end of the path, both exact. `way` is rounded like a number of its own size, not like the
   /// distance.
   /// Cost: O(1); near a cusp, where many pieces share a bucket, a bisection among them.
-  [[nodiscard]] PathPoint<Real> locate(const TwoSum<Real>& begin, Real way = 0) const {
-    const Real distance = begin.high + way;
+  [[nodiscard]] PathPoint locate(const TwoSum& begin, double way = 0) const {
+    const double distance = begin.high + way;
     if (distance <= 0) [[unlikely]]
       return {0, 0};
     if (is_at_end(distance, begin, way)) [[unlikely]]
       return {segment_count(), 0};
-    const ArcPiece<Real>& piece = pieces_[piece_at(distance)];
+    const ArcPiece& piece = pieces_[piece_at(distance)];
     return {piece.segment, piece.t_at(piece.offset(begin) + way)};
   }
 
   /// The same for many ways from one begin, bit for bit; quickest where they rise, because then one piece
   /// is evaluated for a run of them without looking anything up. Both spans have the same size. Returns
   /// whether the points are known to be in order: rounding may put one before that in front of it.
-  bool locate(const TwoSum<Real>& begin, std::span<const Real> ways, std::span<PathPoint<Real>> points) const;
+  bool locate(const TwoSum& begin, std::span<const double> ways, std::span<PathPoint> points) const;
 
-  /// The distance from the start to a point, by quadrature within its piece: full precision of Real.
-  [[nodiscard]] TwoSum<Real> distance(const Path<Real>& path, const PathPoint<Real>& point) const;
+  /// The distance from the start to a point, by quadrature within its piece: full precision of double.
+  [[nodiscard]] TwoSum distance(const Path& path, const PathPoint& point) const;
   /// The same by the speed on the point's segment, for who asks for it several times, and |diag(weights)
   /// dP/dt| there.
-  [[nodiscard]] DistanceAndSpeed<Real> distance(const SegmentSpeed<Real>& speed,
-                                                const PathPoint<Real>& point) const;
+  [[nodiscard]] DistanceAndSpeed distance(const SegmentSpeed& speed, const PathPoint& point) const;
 
  private:
   ArcLength() = default;
   [[nodiscard]] std::int32_t segment_count() const {
     return static_cast<std::int32_t>(segment_begins_.size()) - 1;
   }
-  [[nodiscard]] bool is_at_end(Real distance, const TwoSum<Real>& begin, Real way) const {
+  [[nodiscard]] bool is_at_end(double distance, const TwoSum& begin, double way) const {
     return distance >= end_.high && begin.minus(end_) + way >= 0;
   }
   /// The last piece that begins at or before a distance above 0. A distance of two parts may be before the
   /// end when its `high` is not: behind the last bucket nothing is looked up.
-  [[nodiscard]] std::size_t piece_at(Real distance) const {
+  [[nodiscard]] std::size_t piece_at(double distance) const {
     if (distance >= end_.high) [[unlikely]]
       return pieces_.size() - 1;
     const auto bucket = static_cast<std::size_t>(static_cast<std::int32_t>(distance * buckets_per_length_));
@@ -191,33 +182,28 @@ class ArcLength {
     }
     return piece;
   }
-  [[nodiscard]] std::size_t piece_in_crowd(std::size_t piece, std::size_t bucket, Real distance) const;
+  [[nodiscard]] std::size_t piece_in_crowd(std::size_t piece, std::size_t bucket, double distance) const;
 
-  std::span<const ArcPiece<Real>> pieces_;
-  std::span<const Real> next_begins_;  ///< where the piece behind each begins: infinity behind the last
+  std::span<const ArcPiece> pieces_;
+  std::span<const double> next_begins_;  ///< where the piece behind each begins: infinity behind the last
   std::span<const std::int32_t> buckets_;
   std::span<const std::int32_t> first_pieces_;
-  std::span<const TwoSum<Real>> segment_begins_;
-  TwoSum<Real> end_;
-  Real buckets_per_length_ = 0;  ///< so little less that no distance is behind the last bucket
-  Real delta_ = 0;
+  std::span<const TwoSum> segment_begins_;
+  TwoSum end_;
+  double buckets_per_length_ = 0;  ///< so little less that no distance is behind the last bucket
+  double delta_ = 0;
 };
 
 /// Memory for a path of up to `Segments` segments with `Pieces` pieces in all.
-template <Precise Real, std::size_t Segments, std::size_t Pieces = 24 * Segments>
+template <std::size_t Segments, std::size_t Pieces = 24 * Segments>
 struct ArcLengthStorage {
-  std::array<ArcPiece<Real>, Pieces> pieces;
-  std::array<Real, Pieces> begins;
+  std::array<ArcPiece, Pieces> pieces;
+  std::array<double, Pieces> begins;
   std::array<std::int32_t, Pieces> buckets;
   std::array<std::int32_t, Segments + 1> first_pieces;
-  std::array<TwoSum<Real>, Segments + 1> segment_begins;
+  std::array<TwoSum, Segments + 1> segment_begins;
 
-  [[nodiscard]] ArcLengthMemory<Real> memory() {
-    return {pieces, begins, buckets, first_pieces, segment_begins};
-  }
+  [[nodiscard]] ArcLengthMemory memory() { return {pieces, begins, buckets, first_pieces, segment_begins}; }
 };
-
-extern template class ArcLength<double>;
-extern template class ArcLength<float>;
 
 }  // namespace inbetween

@@ -23,29 +23,27 @@ enum class Spline : std::uint8_t {
 };
 
 /// Kochanek and Bartels' parameters of one key, each in [-1, 1]. All zero is Catmull-Rom.
-template <Precise Real>
 struct KeyShape {
-  Real tension = 0;
-  Real continuity = 0;
-  Real bias = 0;
+  double tension = 0;
+  double continuity = 0;
+  double bias = 0;
 };
 
 /// A path is made from this. Nothing is kept: the spans may go when `Path::make` returns.
-template <Precise Real>
 struct PathSpec {
   Spline spline = Spline::smooth;
   /// A closed path of n keys has n segments; the last leads back to key 0.
   bool closed = false;
   std::int32_t axis_count = 0;
   /// Key-major: keys[key * axis_count + axis], in axis units.
-  std::span<const Real> keys;
+  std::span<const double> keys;
   /// Of a closed path, one per axis: it returns so far beyond key 0, by whole turns of a rotary axis. Empty:
   /// to key 0 itself.
-  std::span<const Real> lap = {};
+  std::span<const double> lap = {};
   /// One per axis, >= 0: how much one unit of the axis counts as distance. Empty: 1 for every axis.
-  std::span<const Real> weights = {};
+  std::span<const double> weights = {};
   /// One per key, read for `tcb` only. Empty: all zero.
-  std::span<const KeyShape<Real>> shapes = {};
+  std::span<const KeyShape> shapes = {};
   /// false: no axis leaves the values of its two keys between them, to the last bit, for smooth and
   /// catmull_rom. Slopes are lowered to 3 times the lesser of the two chords' and to 0 where the axis turns
   /// back or stays (Fritsch and Carlson 1980), so that the path is C1 where that happens.
@@ -58,11 +56,11 @@ struct PathSpec {
   bool rests_at_end = true;
 
   /// The position of a key. The number of keys is the return to key 0, and so on round a closed path.
-  [[nodiscard]] Real key(std::size_t index, std::size_t axis) const {
+  [[nodiscard]] double key(std::size_t index, std::size_t axis) const {
     const auto axes = static_cast<std::size_t>(axis_count);
     const std::size_t count = keys.size() / axes;
     if (index < count) return keys[index * axes + axis];
-    const Real first = keys[(index - count) * axes + axis];
+    const double first = keys[(index - count) * axes + axis];
     return lap.empty() ? first : first + lap[axis];
   }
 };
@@ -76,28 +74,26 @@ struct FrameKnot {
 };
 
 /// c0 + c1 t + c2 t^2 + c3 t^3, in axis units.
-template <Precise Real>
 struct Cubic {
-  Real c0 = 0, c1 = 0, c2 = 0, c3 = 0;
+  double c0 = 0, c1 = 0, c2 = 0, c3 = 0;
 
   /// Not by Horner's rule: two halves that do not wait for each other.
-  [[nodiscard]] constexpr Real value(Real t) const {
-    const Real square = t * t;
+  [[nodiscard]] constexpr double value(double t) const {
+    const double square = t * t;
     return (c0 + square * c2) + t * (c1 + square * c3);
   }
-  [[nodiscard]] constexpr Real derivative(Real t) const { return c1 + t * (2 * c2 + t * (3 * c3)); }
-  [[nodiscard]] constexpr Real second(Real t) const { return 2 * c2 + t * (6 * c3); }
-  [[nodiscard]] constexpr Real third() const { return 6 * c3; }
+  [[nodiscard]] constexpr double derivative(double t) const { return c1 + t * (2 * c2 + t * (3 * c3)); }
+  [[nodiscard]] constexpr double second(double t) const { return 2 * c2 + t * (6 * c3); }
+  [[nodiscard]] constexpr double third() const { return 6 * c3; }
 };
 
 /// A cubic in two registers: c0 and c1, c2 and c3.
-template <Precise Real>
 struct CubicHalves {
-  using Half [[gnu::vector_size(2 * sizeof(Real))]] = Real;
+  using Half [[gnu::vector_size(2 * sizeof(double))]] = double;
   Half low, high;
 
   /// Half by half: GCC 12 copies all of it through memory (tick/16 takes 1.3 times as long).
-  explicit CubicHalves(const Cubic<Real>& cubic) {
+  explicit CubicHalves(const Cubic& cubic) {
     __builtin_memcpy(&low, &cubic, sizeof(low));
     __builtin_memcpy(&high, &cubic.c2, sizeof(high));
   }
@@ -107,15 +103,14 @@ struct CubicHalves {
 /// Two at once where that is quick: c0 and c1 stand side by side and meet the same square, and only their
 /// sums change places. What the compiler makes of the plain loop puts the coefficients of two cubics together
 /// first (tick/3 takes 1.1 times as long, tick/16 1.2).
-template <Precise Real>
-void write_values(std::span<const Cubic<Real>> cubics, Real t, std::span<Real> out) {
+inline void write_values(std::span<const Cubic> cubics, double t, std::span<double> out) {
   std::size_t d = 0;
   if constexpr (lanes_are_quick) {
-    using Half = typename CubicHalves<Real>::Half;
-    const Real square = t * t;
+    using Half = typename CubicHalves::Half;
+    const double square = t * t;
     for (; d + 1 < out.size(); d += 2) {
-      const CubicHalves<Real> a(cubics[d]);
-      const CubicHalves<Real> b(cubics[d + 1]);
+      const CubicHalves a(cubics[d]);
+      const CubicHalves b(cubics[d + 1]);
       const Half a_sums = a.low + square * a.high;
       const Half b_sums = b.low + square * b.high;
       const Half values = Half{a_sums[0], b_sums[0]} + t * Half{a_sums[1], b_sums[1]};
@@ -129,32 +124,29 @@ void write_values(std::span<const Cubic<Real>> cubics, Real t, std::span<Real> o
 inline constexpr std::size_t max_guides = 3;
 
 /// A path whose coefficients are known, such as that of joints that follow a curve in space. Nothing is kept.
-template <Precise Real>
 struct CubicPathSpec {
   Spline spline = Spline::smooth;  ///< of the keys that it was made from
   bool closed = false;
   std::int32_t axis_count = 0;
   std::int32_t key_count = 0;
   /// Segment after segment, in each the axes and then the guides.
-  std::span<const Cubic<Real>> cubics;
+  std::span<const Cubic> cubics;
   /// One for each axis and each guide. With weights of 0 for the axes, the guides alone are the distance.
-  std::span<const Real> weights;
+  std::span<const double> weights;
   /// One for each segment, in the order of the path: all the parts of the way from key 0 to key 1, and so on.
   std::span<const FrameKnot> knots;
 };
 
 /// The memory of a path, owned by the caller, who keeps it alive and unmoved as long as the path.
-template <Precise Real>
 struct PathMemory {
-  std::span<Cubic<Real>> cubics;  ///< (segments + 1) * (axes + guides)
-  std::span<Real> weights;        ///< axes + guides
+  std::span<Cubic> cubics;    ///< (segments + 1) * (axes + guides)
+  std::span<double> weights;  ///< axes + guides
   /// Segments, of a path of cubics or over frames; there a rest may need 4 between keys.
   std::span<FrameKnot> knots = {};
 };
 
 /// A path that exists is valid: finite coefficients, positive weighted length wherever an axis moves.
 /// A small value that refers to the caller's memory; copying it copies no coefficients.
-template <Precise Real>
 class Path {
  public:
   /// Solves for the coefficients.
@@ -172,16 +164,16 @@ class Path {
   /// with velocity and acceleration 0, at the ends that say so and where it has one value at two neighbouring
   /// keys, by one more knot a quarter into the interval beside the rest.
   ///
-  /// Errors: not_finite, out_of_range (coordinate beyond Precision<Real>::largest, negative weight,
+  /// Errors: not_finite, out_of_range (coordinate beyond Precision::largest, negative weight,
   /// shape outside [-1, 1], a smooth path that overshoots a thousand times as far, frames that do not rise),
   /// wrong_count, capacity, unmeasured (with key and axis). Cost: linear in keys * axes. One key is a path
   /// that stays there.
-  static Result<Path> make(const PathSpec<Real>& spec, const PathMemory<Real>& memory);
+  static Result<Path> make(const PathSpec& spec, const PathMemory& memory);
 
   /// Takes coefficients as they are. Errors: wrong_count, not_finite, out_of_range (a weight, a coefficient,
   /// a knot that is not the next one), capacity, unmeasured, as for make(), and no_solution where a segment
   /// does not begin where the one before it ends. O(segments * axes).
-  static Result<Path> make_of_cubics(const CubicPathSpec<Real>& spec, const PathMemory<Real>& memory);
+  static Result<Path> make_of_cubics(const CubicPathSpec& spec, const PathMemory& memory);
 
   [[nodiscard]] std::int32_t axis_count() const { return axis_count_; }
   [[nodiscard]] std::int32_t key_count() const { return key_count_; }
@@ -190,7 +182,7 @@ class Path {
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] Spline spline() const { return spline_; }
   /// One for each axis and, behind them, one for each guide.
-  [[nodiscard]] std::span<const Real> weights() const { return weights_; }
+  [[nodiscard]] std::span<const double> weights() const { return weights_; }
   /// The knots are frames, and every axis is a curve over time.
   [[nodiscard]] bool over_frames() const { return over_frames_; }
   /// One for every segment of a path over frames or of cubics; otherwise empty, and segment i begins at key
@@ -206,48 +198,48 @@ class Path {
     return knot.key;
   }
   /// s: i at key i, and in proportion to t, or to time where the path is over frames, between keys.
-  [[nodiscard]] Real parameter(const PathPoint<Real>& point) const {
+  [[nodiscard]] double parameter(const PathPoint& point) const {
     const auto index = static_cast<std::size_t>(point.segment);
-    if (knots_.empty()) return static_cast<Real>(point.segment) + point.t;
-    if (index >= knots_.size()) return static_cast<Real>(knots_.back().key + 1);
+    if (knots_.empty()) return static_cast<double>(point.segment) + point.t;
+    if (index >= knots_.size()) return static_cast<double>(knots_.back().key + 1);
     const FrameKnot& knot = knots_[index];
-    return static_cast<Real>(knot.key) +
-           (static_cast<Real>(knot.part) + point.t) / static_cast<Real>(knot.parts);
+    return static_cast<double>(knot.key) +
+           (static_cast<double>(knot.part) + point.t) / static_cast<double>(knot.parts);
   }
 
   /// The cubics of all axes on a segment, and behind them those of the guides. Segment `segment_count()` is
   /// the continuation of the last one beyond its end, expanded there: at t = 0 it gives the last key to the
   /// last bit, and the derivatives with which the path arrives.
-  [[nodiscard]] std::span<const Cubic<Real>> segment(std::int32_t index) const {
+  [[nodiscard]] std::span<const Cubic> segment(std::int32_t index) const {
     return cubics_.subspan(static_cast<std::size_t>(index) * weights_.size(), weights_.size());
   }
   /// Position of one axis, in axis units.
-  [[nodiscard]] Real position(const PathPoint<Real>& point, std::int32_t axis) const {
+  [[nodiscard]] double position(const PathPoint& point, std::int32_t axis) const {
     const auto d = static_cast<std::size_t>(axis);
     return kept(segment(point.segment)[d].value(point.t), point.segment, d);
   }
   /// What has been worked out as a position of an axis on a segment, without what rounding adds beyond the
   /// ends of that segment where the path does not overshoot.
-  [[nodiscard]] Real kept(Real position, std::int32_t segment_index, std::size_t axis) const {
+  [[nodiscard]] double kept(double position, std::int32_t segment_index, std::size_t axis) const {
     if (overshoots_ || segment_index >= segment_count_) return position;
-    const Real begin = segment(segment_index)[axis].c0;
-    const Real end = segment(segment_index + 1)[axis].c0;
+    const double begin = segment(segment_index)[axis].c0;
+    const double end = segment(segment_index + 1)[axis].c0;
     return begin < end ? std::clamp(position, begin, end) : std::clamp(position, end, begin);
   }
   /// false: a position may need kept(). What positions(), position() and a Track give is kept already.
   [[nodiscard]] bool overshoots() const { return overshoots_; }
   /// The positions of all axes at many points, axis after axis: out[axis * points.size() + i]. Quickest where
   /// many points of one segment follow each other, as in a table of frames.
-  void positions(std::span<const PathPoint<Real>> points, std::span<Real> out) const;
+  void positions(std::span<const PathPoint> points, std::span<double> out) const;
   /// |diag(weights) dP/dt| at a point, scaled by a power of two where a plain sum of squares would
   /// overflow or vanish.
-  [[nodiscard]] Real parametric_speed(const PathPoint<Real>& point) const;
+  [[nodiscard]] double parametric_speed(const PathPoint& point) const;
 
  private:
   Path() = default;
 
-  std::span<const Cubic<Real>> cubics_;
-  std::span<const Real> weights_;
+  std::span<const Cubic> cubics_;
+  std::span<const double> weights_;
   std::span<const FrameKnot> knots_;
   std::int32_t axis_count_ = 0;
   std::int32_t key_count_ = 0;
@@ -259,15 +251,12 @@ class Path {
 };
 
 /// Memory for paths of up to `Keys` keys (closed or open) and `Axes` axes.
-template <Precise Real, std::size_t Keys, std::size_t Axes>
+template <std::size_t Keys, std::size_t Axes>
 struct PathStorage {
-  std::array<Cubic<Real>, (Keys + 1) * Axes> cubics;
-  std::array<Real, Axes> weights;
+  std::array<Cubic, (Keys + 1) * Axes> cubics;
+  std::array<double, Axes> weights;
 
-  [[nodiscard]] PathMemory<Real> memory() { return {cubics, weights}; }
+  [[nodiscard]] PathMemory memory() { return {cubics, weights}; }
 };
-
-extern template class Path<double>;
-extern template class Path<float>;
 
 }  // namespace inbetween

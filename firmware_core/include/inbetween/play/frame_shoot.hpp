@@ -27,29 +27,26 @@ inline constexpr int shoot_phases = 7;
 
 /// The part of a frame during which the shutter is open, in frames from the frame on: 0..0.5 is a shutter of
 /// 180 degrees that opens on the frame, -0.25..0.25 one that is centred on it.
-template <Precise Real>
 struct Shutter {
-  Real open = 0;
-  Real close = Real(0.5);
+  double open = 0;
+  double close = 0.5;
 };
 
-template <Precise Real>
 struct ShootSpec {
   std::int64_t settle_ticks = 0;
   std::int64_t exposure_ticks = 1;  ///< length of the camera's signal if the rig rests meanwhile; at least 1
-  std::optional<Shutter<Real>> shutter;  ///< the rig moves while it is open
-  Real exposure_s = 0;                   ///< with a shutter: how long it is open
+  std::optional<Shutter> shutter;   ///< the rig moves while it is open
+  double exposure_s = 0;            ///< with a shutter: how long it is open
 };
 
 /// The frames of a shoot. Refers to the caller's memory.
-template <Precise Real>
 struct ShootFrames {
   std::int32_t last = 0;   ///< N of the move: each of the frames 0..N can be looked at
   std::int32_t first = 0;  ///< that is to be shot
   /// From `first` on an entry for each frame that is to be shot: how often it was.
   std::span<std::int32_t> shots;
   /// In ascending order the places at which every travel rests, because the motion steps there.
-  std::span<const FrameTime<Real>> rests = {};
+  std::span<const FrameTime> rests = {};
 };
 
 /// Decides what the playheads of a rig do, frame by frame, and when the camera has its signal. It goes to a
@@ -63,12 +60,10 @@ struct ShootFrames {
 /// the time line, where nothing moves.
 ///
 /// Refers to the playheads; the motion loop ticks them. O(1) a tick, no allocation.
-template <Precise Real>
 class FrameShoot {
  public:
   /// `still` may be null.
-  FrameShoot(const ShootSpec<Real>& spec, const ShootFrames<Real>& frames, Playhead<Real>& moving,
-             Playhead<Real>* still)
+  FrameShoot(const ShootSpec& spec, const ShootFrames& frames, Playhead& moving, Playhead* still)
       : spec_(spec), frames_(frames), frame_(frames.first), moving_(&moving), still_(still) {}
 
   /// Checks that every frame that is to be shot can be exposed as wanted. Errors, with frame: those of
@@ -112,39 +107,35 @@ class FrameShoot {
   [[nodiscard]] std::int32_t& shots_of(std::int32_t frame) const {
     return frames_.shots[static_cast<std::size_t>(frame - frames_.first)];
   }
-  [[nodiscard]] Exposure<Real> exposure_of(std::int32_t frame) const;
+  [[nodiscard]] Exposure exposure_of(std::int32_t frame) const;
   [[nodiscard]] bool rests() const {
     return moving_->is_resting() && (still_ == nullptr || still_->is_resting());
   }
   [[nodiscard]] Status can_leave(std::int32_t frame) const;
-  [[nodiscard]] std::optional<FrameTime<Real>> rest_between(const FrameTime<Real>& from,
-                                                            const FrameTime<Real>& to) const;
+  [[nodiscard]] std::optional<FrameTime> rest_between(const FrameTime& from, const FrameTime& to) const;
   Status travel();
-  Status travel(Playhead<Real>& playhead, const FrameTime<Real>& to, bool is_run_up);
+  Status travel(Playhead& playhead, const FrameTime& to, bool is_run_up);
   [[nodiscard]] bool has_arrived() const;
   Status go_on();
   void expose();
   void end_exposure();
 
-  ShootSpec<Real> spec_;
-  ShootFrames<Real> frames_;
+  ShootSpec spec_;
+  ShootFrames frames_;
   ShootPhase phase_ = ShootPhase::idle;
   bool only_looks_ = false;
   bool camera_ = false;
   bool is_exposed_ = false;  ///< the shutter has closed, and the rig runs out
   bool goes_on_ = false;     ///< a trigger came meanwhile
   std::int32_t frame_;
-  FrameTime<Real> stand_;        ///< where `moving` is to rest: on the frame, or where its run-up starts
+  FrameTime stand_;              ///< where `moving` is to rest: on the frame, or where its run-up starts
   std::int64_t ticks_left_ = 0;  ///< of settling or of the camera's signal
   std::int64_t exposures_ = 0;
-  Playhead<Real>* moving_;
-  Playhead<Real>* still_;
+  Playhead* moving_;
+  Playhead* still_;
 };
 
 /// The phase in words for people: "waiting".
 const char* name_of(ShootPhase phase);
-
-extern template class FrameShoot<double>;
-extern template class FrameShoot<float>;
 
 }  // namespace inbetween

@@ -15,14 +15,13 @@ namespace inbetween {
 /// The limits of a free axis in axis units and seconds. They are magnitudes, except min and max. If the rig
 /// limits no jerk, the caller chooses the seconds in which the acceleration builds up (jerk = acceleration /
 /// seconds): without any limit a stop would be a step of the force.
-template <Precise Real>
 struct FreeAxisLimits {
-  Real velocity = 0;      ///< unit/s
-  Real acceleration = 0;  ///< unit/s^2
-  Real jerk = 0;          ///< unit/s^3
-  Real min = 0;           ///< soft limits: it moves and rests between them
-  Real max = 0;
-  Real stop_share = 1;  ///< of acceleration and jerk, what a stop may use; at least 1
+  double velocity = 0;      ///< unit/s
+  double acceleration = 0;  ///< unit/s^2
+  double jerk = 0;          ///< unit/s^3
+  double min = 0;           ///< soft limits: it moves and rests between them
+  double max = 0;
+  double stop_share = 1;  ///< of acceleration and jerk, what a stop may use; at least 1
 };
 
 /// One axis, moved by velocity or to a position, with bounded velocity, acceleration and jerk.
@@ -38,87 +37,83 @@ struct FreeAxisLimits {
 /// A stop never rests further than the motion that it interrupts, so that the soft limits hold for every
 /// command at every moment. An axis outside its soft limits (unreferenced, or moved by hand) moves only
 /// towards the inside, and is never further outside than it was.
-template <Precise Real>
 class FreeAxis {
  public:
   /// Makes an axis at rest at `position`, which may be outside the soft limits. Ticks are `tick_seconds`
   /// apart. Errors: not_finite, out_of_range (a limit or tick_seconds that is not above 0, min >= max, a stop
-  /// from full speed that is longer than Precision<Real>::largest; a stop_share below 1).
-  static Result<FreeAxis> make(const FreeAxisLimits<Real>& limits, Real position, Real tick_seconds);
+  /// from full speed that is longer than Precision::largest; a stop_share below 1).
+  static Result<FreeAxis> make(const FreeAxisLimits& limits, double position, double tick_seconds);
 
   /// Drives at a signed velocity until the soft limit ahead stops the axis; 0 is stop(). The velocity that is
   /// commanded already changes nothing. Errors: not_finite; out_of_range (faster than the limit; at or beyond
   /// the soft limit in that direction).
-  Status drive(Real velocity);
+  Status drive(double velocity);
   /// Goes exactly to a position, at most at the velocity of the limits, from any state. An axis that is too
   /// fast to rest there comes back. Errors: not_finite; out_of_range (outside the soft limits).
-  Status go_to(Real position) { return go_to(position, limits_.velocity); }
+  Status go_to(double position) { return go_to(position, limits_.velocity); }
   /// Goes to a position at most at `speed` > 0, once it has slowed down to it. Errors: also out_of_range
   /// (faster than the limit, not above 0).
-  Status go_to(Real position, Real speed);
+  Status go_to(double position, double speed);
   /// Stops as soon as the limits allow. This is always possible.
   void stop();
   /// Puts the axis at rest at once, where it is. Use it only for an axis whose setpoints are no longer sent.
   void halt();
   /// Sets the position of an axis at rest without a motion. Errors: not_finite, out_of_range (not resting).
-  Status place(Real position);
+  Status place(double position);
   /// Sets other soft limits. Errors: not_finite, out_of_range (not resting; min >= max).
-  Status set_range(Real min, Real max);
+  Status set_range(double min, double max);
 
   /// One tick later. O(1).
-  Setpoint<Real> tick();
+  Setpoint tick();
 
-  [[nodiscard]] const Setpoint<Real>& state() const { return state_; }
-  [[nodiscard]] Real position() const { return state_.position; }
+  [[nodiscard]] const Setpoint& state() const { return state_; }
+  [[nodiscard]] double position() const { return state_.position; }
   [[nodiscard]] bool is_resting() const { return activity_ == Activity::resting; }
   /// The position where it comes to rest if no other command follows.
-  [[nodiscard]] Real end() const { return end_; }
+  [[nodiscard]] double end() const { return end_; }
   /// The way (signed) and the seconds that a stop from here takes.
-  [[nodiscard]] Real stop_distance() const { return stop_ramp().way(); }
-  [[nodiscard]] Real stop_seconds() const { return stop_ramp().seconds(); }
+  [[nodiscard]] double stop_distance() const { return stop_ramp().way(); }
+  [[nodiscard]] double stop_seconds() const { return stop_ramp().seconds(); }
   /// The highest velocity v within the limits from which a stop takes at most `seconds`. This holds at every
   /// moment while drive commands of at most v in either direction follow each other, also while the speed
   /// still rises. 0 if `seconds` is not above 0.
-  [[nodiscard]] Real velocity_that_stops_within(Real seconds) const;
-  [[nodiscard]] const FreeAxisLimits<Real>& limits() const { return limits_; }
+  [[nodiscard]] double velocity_that_stops_within(double seconds) const;
+  [[nodiscard]] const FreeAxisLimits& limits() const { return limits_; }
 
  private:
   enum class Activity : std::uint8_t { resting, driving, travelling, stopping };
 
-  FreeAxis(const FreeAxisLimits<Real>& limits, Real position, Real tick_seconds)
+  FreeAxis(const FreeAxisLimits& limits, double position, double tick_seconds)
       : limits_(limits), tick_s_(tick_seconds), from_(position), end_(position) {
     state_.position = position;
   }
 
-  [[nodiscard]] RampLimits<Real> ramp() const { return {limits_.acceleration, limits_.jerk}; }
-  [[nodiscard]] SpeedRamp<Real> ramp_to_rest(const RampLimits<Real>& limits) const;
-  [[nodiscard]] SpeedRamp<Real> stop_ramp() const {
+  [[nodiscard]] RampLimits ramp() const { return {limits_.acceleration, limits_.jerk}; }
+  [[nodiscard]] SpeedRamp ramp_to_rest(const RampLimits& limits) const;
+  [[nodiscard]] SpeedRamp stop_ramp() const {
     return ramp_to_rest({limits_.stop_share * limits_.acceleration, limits_.stop_share * limits_.jerk});
   }
-  [[nodiscard]] Real way_over(Real velocity) const;
-  [[nodiscard]] Real top_speed(Real direction, Real speed, Real room) const;
-  void head_for(Real position, Real speed, Activity activity);
-  [[nodiscard]] Setpoint<Real> at(Real seconds) const;
-  [[nodiscard]] Real inside(Real position) const;
-  void rest_at(Real position);
+  [[nodiscard]] double way_over(double velocity) const;
+  [[nodiscard]] double top_speed(double direction, double speed, double room) const;
+  void head_for(double position, double speed, Activity activity);
+  [[nodiscard]] Setpoint at(double seconds) const;
+  [[nodiscard]] double inside(double position) const;
+  void rest_at(double position);
 
-  FreeAxisLimits<Real> limits_;
-  Real tick_s_;
-  Setpoint<Real> state_;
+  FreeAxisLimits limits_;
+  double tick_s_;
+  Setpoint state_;
   Activity activity_ = Activity::resting;
-  Real driven_ = 0;  ///< the velocity commanded, while driving
+  double driven_ = 0;  ///< the velocity commanded, while driving
 
   // The motion under way.
-  SpeedRamp<Real> rise_;  ///< to the constant speed, which may be below the speed at the start
-  SpeedRamp<Real> fall_;  ///< to rest
-  Real even_s_ = 0;
-  Real from_;  ///< where it began ...
-  Real risen_ = 0;
-  Real end_;  ///< ... and where it will rest
+  SpeedRamp rise_;  ///< to the constant speed, which may be below the speed at the start
+  SpeedRamp fall_;  ///< to rest
+  double even_s_ = 0;
+  double from_;  ///< where it began ...
+  double risen_ = 0;
+  double end_;  ///< ... and where it will rest
   std::int64_t ticks_ = 0;
 };
-
-extern template class FreeAxis<double>;
-extern template class FreeAxis<float>;
 
 }  // namespace inbetween

@@ -45,16 +45,14 @@ enum class Direction : std::int8_t { backward = -1, forward = 1 };
 /// A frame that is exposed while the rig moves (go-motion): the shutter is open from one place of the time
 /// line to another, which takes `seconds`. Both may lie beyond the ends of the time line, where nothing
 /// moves.
-template <Precise Real>
 struct Exposure {
-  FrameTime<Real> open, close;
-  Real seconds = 0;
+  FrameTime open, close;
+  double seconds = 0;
 };
 
 /// The stretch of the time line that an exposure in motion passes, from rest to rest.
-template <Precise Real>
 struct ExposureWay {
-  FrameTime<Real> from, to;
+  FrameTime from, to;
 };
 
 /// A place on the time line and the rate at which time runs, forward or backward. Commands change nothing but
@@ -76,15 +74,14 @@ struct ExposureWay {
 ///
 /// At an end of the time line nothing moves at any rate. Therefore a move that is played from there runs at
 /// its full rate from the first tick on, and takes exactly its frames.
-template <Precise Real>
 class Playhead {
  public:
   /// Makes a playhead at rest on the first frame. It refers to all of them. Ticks come `rate_hz`
   /// times a second. `rungs` are bounds `within` the others, made for the motion limits; the lowest rate is
   /// first, and the rate of the last is that of `bounds`. A travel and an exposure keep the first, and its
   /// rate; no place of it makes them wait.
-  Playhead(const Move<Real>& move, const StopBounds<Real>& bounds, std::int32_t rate_hz,
-           std::span<const StopBounds<Real>> rungs = {});
+  Playhead(const Move& move, const StopBounds& bounds, std::int32_t rate_hz,
+           std::span<const StopBounds> rungs = {});
 
   /// Plays towards an end at the override rate. A playhead that runs the other way turns. Errors:
   /// out_of_range (it is at that end already, and does not repeat).
@@ -98,30 +95,30 @@ class Playhead {
   void halt();
   /// Travels to a place and rests there exactly. A running playhead stops first. Errors: out_of_range (not on
   /// the time line).
-  Status go_to(const FrameTime<Real>& place);
-  Status go_to(std::int32_t frame) { return go_to(FrameTime<Real>{frame, 0}); }
+  Status go_to(const FrameTime& place);
+  Status go_to(std::int32_t frame) { return go_to(FrameTime{frame, 0}); }
   /// Travels to the next whole frame in a direction, counted from the frame that it is travelling to. Errors:
   /// out_of_range (beyond the end).
   Status step(Direction direction);
   /// The way of an exposure with its run-up and run-out. Errors and cost: those of go_to_run_up, which needs
   /// a playhead that rests.
-  [[nodiscard]] Result<ExposureWay<Real>> way_of(const Exposure<Real>& exposure) const;
+  [[nodiscard]] Result<ExposureWay> way_of(const Exposure& exposure) const;
   /// Travels to the start of the run-up to an exposure, and rests there (`arrived`).
   /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above that of the
   /// bounds), not_converged (no run-up within the bounds was found).
   /// O(cells of the stop bounds that it passes).
-  Status go_to_run_up(const Exposure<Real>& exposure);
+  Status go_to_run_up(const Exposure& exposure);
   /// Exposes from there: a run-up, then the constant rate (close - open) / seconds from open to close, then a
   /// run-out to rest behind it (`arrived`). The shutter opens on a tick (`opened`), and the rate stays until
   /// the first tick at or after the end of the exposure (`closed`). Errors: those of go_to_run_up;
   /// out_of_range (not at its start).
-  Status expose(const Exposure<Real>& exposure);
+  Status expose(const Exposure& exposure);
   /// Follows a target, which may be moved at any time, as fast as the override rate allows; rests there.
   /// Errors: out_of_range (not on the time line).
-  Status scrub_to(const FrameTime<Real>& target);
+  Status scrub_to(const FrameTime& target);
   /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
   /// out_of_range (not in 0 < rate <= StopBounds::rate()).
-  Status set_override(Real rate);
+  Status set_override(double rate);
   /// Domain: a loop only of what can_loop().
   void set_repeat(Repeat repeat) { repeat_ = repeat; }
   /// Puts a playhead at rest on a frame without a travel, for a rig that was moved otherwise. Errors:
@@ -131,82 +128,79 @@ class Playhead {
   /// One tick later. O(1), no allocation.
   PlayheadEvent tick();
 
-  [[nodiscard]] const FrameTime<Real>& time() const { return time_; }
+  [[nodiscard]] const FrameTime& time() const { return time_; }
   /// Seconds of the time line a second, negative backward.
-  [[nodiscard]] Real rate() const { return rate_; }
+  [[nodiscard]] double rate() const { return rate_; }
   /// The change of the rate, per second.
-  [[nodiscard]] Real rate_change() const { return change_; }
-  [[nodiscard]] Real override_rate() const { return override_; }
+  [[nodiscard]] double rate_change() const { return change_; }
+  [[nodiscard]] double override_rate() const { return override_; }
   [[nodiscard]] Repeat repeat() const { return repeat_; }
   [[nodiscard]] PlayheadState state() const { return state_; }
   [[nodiscard]] bool is_resting() const { return state_ == PlayheadState::resting; }
   /// It slows down to play the other way.
   [[nodiscard]] bool is_turning() const {
-    return state_ == PlayheadState::playing && rate_ * static_cast<Real>(direction_) < 0;
+    return state_ == PlayheadState::playing && rate_ * static_cast<double>(direction_) < 0;
   }
 
  private:
   /// A travel from rest to rest.
   struct Journey {
-    FrameTime<Real> from, to;
-    Real sign = 1;  ///< of the rate
-    Travel<Real> course;
+    FrameTime from, to;
+    double sign = 1;  ///< of the rate
+    Travel course;
     std::int64_t opening_tick = -1;  ///< counted from the start; -1: no shutter opens
     std::int64_t closing_tick = -1;
     std::int64_t ticks = 0;  ///< since the start
   };
 
-  [[nodiscard]] Real seconds_between(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
-  [[nodiscard]] bool is_on_time_line(const FrameTime<Real>& time) const;
-  [[nodiscard]] FrameTime<Real> end_towards(Direction direction) const;
-  void begin_travel(const FrameTime<Real>& to);
-  [[nodiscard]] StopBound<Real> travel_bound(const FrameTime<Real>& from, const FrameTime<Real>& to) const;
-  [[nodiscard]] Real top_travel_rate() const;
-  [[nodiscard]] Result<Journey> journey_of(const Exposure<Real>& exposure) const;
+  [[nodiscard]] double seconds_between(const FrameTime& from, const FrameTime& to) const;
+  [[nodiscard]] bool is_on_time_line(const FrameTime& time) const;
+  [[nodiscard]] FrameTime end_towards(Direction direction) const;
+  void begin_travel(const FrameTime& to);
+  [[nodiscard]] StopBound travel_bound(const FrameTime& from, const FrameTime& to) const;
+  [[nodiscard]] double top_travel_rate() const;
+  [[nodiscard]] Result<Journey> journey_of(const Exposure& exposure) const;
   PlayheadEvent tick_travel();
   [[nodiscard]] bool travel_ends_like_a_stop() const;
-  [[nodiscard]] Real scrub_rate() const;
-  PlayheadEvent tick_ramp(Real target);
-  void change_to(Real target);
-  [[nodiscard]] const StopBounds<Real>* rung_from(Real target) const;
+  [[nodiscard]] double scrub_rate() const;
+  PlayheadEvent tick_ramp(double target);
+  void change_to(double target);
+  [[nodiscard]] const StopBounds* rung_from(double target) const;
   void release();
-  void follow_to(Real target, const StopBounds<Real>& within);
-  [[nodiscard]] bool is_steady(Real target) const;
-  void settle_on(Real target);
-  [[nodiscard]] bool lands_within_tick(Real target, Real jerk) const;
-  void land(Real target);
-  void move_on(Real jerk, Real seconds);
+  void follow_to(double target, const StopBounds& within);
+  [[nodiscard]] bool is_steady(double target) const;
+  void settle_on(double target);
+  [[nodiscard]] bool lands_within_tick(double target, double jerk) const;
+  void land(double target);
+  void move_on(double jerk, double seconds);
   void cruise();
   void anchor_here();
   PlayheadEvent settle();
   PlayheadEvent pass_end(Direction direction);
   void rest();
-  void advance_by(Real seconds_of_time_line);
+  void advance_by(double seconds_of_time_line);
 
-  const Move<Real>* move_;
-  const StopBounds<Real>* bounds_;
-  std::span<const StopBounds<Real>> rungs_;
-  const StopBounds<Real>* rung_ = nullptr;  ///< on which the rate changes
-  std::int64_t unit_;                       ///< a frame is so many ticks of numerator() each
-  Real tick_s_;
-  Real fps_;
-  FrameTime<Real> time_;
-  Real rate_ = 0;
-  Real change_ = 0;
-  Real override_;
+  const Move* move_;
+  const StopBounds* bounds_;
+  std::span<const StopBounds> rungs_;
+  const StopBounds* rung_ = nullptr;  ///< on which the rate changes
+  std::int64_t unit_;                 ///< a frame is so many ticks of numerator() each
+  double tick_s_;
+  double fps_;
+  FrameTime time_;
+  double rate_ = 0;
+  double change_ = 0;
+  double override_;
   Direction direction_ = Direction::forward;
   Repeat repeat_ = Repeat::none;
   PlayheadState state_ = PlayheadState::resting;
   bool has_next_ = false;
-  FrameTime<Real> next_;    ///< to travel to once at rest
-  FrameTime<Real> anchor_;  ///< the place where the rate became constant ...
+  FrameTime next_;    ///< to travel to once at rest
+  FrameTime anchor_;  ///< the place where the rate became constant ...
   std::int32_t cruise_frames_ = 0;
   std::int64_t cruise_phase_ = 0;  ///< ... and how far it has come since, in unit_ths of a frame
   Journey travel_;
-  FrameTime<Real> scrub_target_;
+  FrameTime scrub_target_;
 };
-
-extern template class Playhead<double>;
-extern template class Playhead<float>;
 
 }  // namespace inbetween

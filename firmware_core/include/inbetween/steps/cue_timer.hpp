@@ -17,29 +17,25 @@
 namespace inbetween {
 
 /// A pulse on a line, 0..63 in its request, that begins when the playhead passes `at`.
-template <Precise Real>
 struct TimedPulse {
-  FrameTime<Real> at;
+  FrameTime at;
   std::int64_t width_ns = 0;  ///< above 0, on the clock, whatever the playhead does meanwhile
   std::int32_t line = 0;
 };
 
 /// The place of a playhead, and the rate at which time runs there.
-template <Precise Real>
 struct PlayheadPlace {
-  FrameTime<Real> time;
-  Real rate = 0;         ///< Playhead::rate
-  Real rate_change = 0;  ///< Playhead::rate_change
+  FrameTime time;
+  double rate = 0;         ///< Playhead::rate
+  double rate_change = 0;  ///< Playhead::rate_change
 };
-template <Precise Real>
-PlayheadPlace<Real> place_of(const Playhead<Real>& playhead) {
+inline PlayheadPlace place_of(const Playhead& playhead) {
   return {playhead.time(), playhead.rate(), playhead.rate_change()};
 }
 
 /// The motion of the playhead in a tick, with its times.
-template <Precise Real>
 struct CueTick {
-  PlayheadPlace<Real> from, to;
+  PlayheadPlace from, to;
   Repeat repeated = Repeat::none;  ///< its action at an end of the time line, if it passed one
   std::int64_t start_ns = 0;
   std::int64_t end_ns = 0;
@@ -91,7 +87,6 @@ struct CueCounters {
 /// playhead that comes to an end of the time line keeps its rate change until there.
 ///
 /// Refers to the pulses. No allocation.
-template <Precise Real>
 class CueTimer {
  public:
   static constexpr std::size_t max_lines = 64;
@@ -99,14 +94,14 @@ class CueTimer {
   /// `pulses` are in the order of their places, on a time line from first to last frame.
   /// Errors: out_of_range with key, the number of the pulse (out of order; its place, line or width).
   /// O(pulses).
-  static Result<CueTimer> make(std::span<const TimedPulse<Real>> pulses, std::int32_t first_frame,
+  static Result<CueTimer> make(std::span<const TimedPulse> pulses, std::int32_t first_frame,
                                std::int32_t last_frame, FrameRate fps);
 
   /// Writes the pulses that begin in the tick and the instants at which lines change, all in [start, end), in
   /// the order of time. In `levels` on is 1. Errors, after which nothing has changed: out_of_range (the tick
   /// takes no time, or begins before the last one ended), capacity (the instants of the room). O(log pulses +
   /// 40 a pulse that begins + lines a pulse that ends).
-  Result<CueCount> advance(const CueTick<Real>& tick, CueRoom room);
+  Result<CueCount> advance(const CueTick& tick, CueRoom room);
   /// Ends everything when no tick follows: a pulse that was passed exactly at the end of the last tick
   /// begins, and all pulses that have begun end, however much later. Errors: capacity.
   Result<CueCount> end_all(CueRoom room);
@@ -123,24 +118,23 @@ class CueTimer {
   struct Leg;
   struct Output;
 
-  CueTimer(std::span<const TimedPulse<Real>> pulses, std::int32_t first_frame, std::int32_t last_frame,
-           Real fps)
+  CueTimer(std::span<const TimedPulse> pulses, std::int32_t first_frame, std::int32_t last_frame, double fps)
       : pulses_(pulses), first_{first_frame, 0}, last_{last_frame, 0}, fps_(fps) {}
 
-  [[nodiscard]] std::size_t first_at(const FrameTime<Real>& time) const;
-  [[nodiscard]] std::size_t first_behind(const FrameTime<Real>& time) const;
-  void go_through(const CueTick<Real>& tick, Output& out);
+  [[nodiscard]] std::size_t first_at(const FrameTime& time) const;
+  [[nodiscard]] std::size_t first_behind(const FrameTime& time) const;
+  void go_through(const CueTick& tick, Output& out);
   void go(const Leg& leg, const Way& way, Output& out);
   void begin_due(Output& out);
   void begin(std::size_t pulse, std::int64_t at_ns, Output& out);
   void end_before(std::int64_t at_ns, Output& out);
   [[nodiscard]] static Status check_room(const CueRoom& room);
 
-  std::span<const TimedPulse<Real>> pulses_;
-  FrameTime<Real> first_, last_;
-  Real fps_;
+  std::span<const TimedPulse> pulses_;
+  FrameTime first_, last_;
+  double fps_;
   bool has_place_ = false;
-  FrameTime<Real> here_;
+  FrameTime here_;
   std::size_t next_ = 0;       ///< the first pulse that the playhead comes to on its way forward
   FixedVector<Range, 2> due_;  ///< pulses passed exactly at the end of the last tick, on both sides of an end
   std::int64_t ended_ns_ = 0;  ///< the last tick
@@ -148,8 +142,5 @@ class CueTimer {
   std::array<std::int64_t, max_lines> off_at_ns_{};
   CueCounters counters_;
 };
-
-extern template class CueTimer<double>;
-extern template class CueTimer<float>;
 
 }  // namespace inbetween

@@ -31,26 +31,22 @@ constexpr std::int64_t min_period_ns(const StepTiming& timing) {
 }
 
 /// A position in steps is position * steps_per_unit.
-template <Precise Real>
 struct StepSpec {
-  Real steps_per_unit = 0;  ///< negative where DIR high moves towards smaller positions; not 0
+  double steps_per_unit = 0;  ///< negative where DIR high moves towards smaller positions; not 0
   StepTiming timing;
-  Real max_step_rate = 0;    ///< steps/s, above 0
+  double max_step_rate = 0;  ///< steps/s, above 0
   std::int64_t tick_ns = 0;  ///< 1 us to 1 s
 };
 
-/// Positions reach this many steps from 0. A double resolves 1/64 of a step there, a float 1/16: beyond, the
-/// steps of a slow motion would come in bunches and its direction would flutter.
-template <Precise Real>
-inline constexpr Real max_step_position = std::same_as<Real, float> ? Real(1048576.0F)
-                                                                    : Real(140737488355328.0);
+/// Positions reach this many steps from 0. A double resolves 1/64 of a step there: beyond, the steps of a
+/// slow motion would come in bunches and its direction would flutter.
+inline constexpr double max_step_position = 140737488355328.0;
 
 /// Checks that the timing permits the step rate, and that the step rate permits a velocity (unit/s). Planning
 /// calls it. In the error `needed` is the other number of the comparison, in whole steps/s: the highest rate
 /// that the timing permits, rounded down, or the rate that max_velocity needs, rounded up. Errors:
 /// not_finite, out_of_range.
-template <Precise Real>
-Status check_step_rate(const StepSpec<Real>& spec, Real max_velocity);
+Status check_step_rate(const StepSpec& spec, double max_velocity);
 
 enum class StepLine : std::uint8_t { step, dir };
 
@@ -90,13 +86,11 @@ struct StepDelays {
 /// behind a turn is late only if it follows the last step, or the start of its tick, more closely than the
 /// timing permits.
 ///
-/// Accuracy of a crossing: rounding in Real of the position, over the speed there. In double with positions
-/// below 2^31 steps that is 1 us at 0.25 steps/s; in float with positions below 2^12 steps, 1 us at 250
-/// steps/s. StepGeneratorProperties hold it.
+/// Accuracy of a crossing: rounding of the position, over the speed there. With positions below 2^31
+/// steps that is 1 us at 0.25 steps/s. StepGeneratorProperties hold it.
 ///
 /// No allocation, no clock. Cost of a tick: O(1 + steps), a few dozen multiplications a step; in a tick with
 /// a turning point as much as for ten steps more.
-template <Precise Real>
 class StepGenerator {
  public:
   /// The number of steps that may wait at once. More wait only if the motion turns faster than the timing of
@@ -106,12 +100,12 @@ class StepGenerator {
   /// Makes a generator at rest at position 0, with both lines low. Errors: not_finite; out_of_range (a figure
   /// of the spec outside its domain, a max_step_rate that check_step_rate refuses, or above 2^20 steps a
   /// tick).
-  static Result<StepGenerator> make(const StepSpec<Real>& spec);
+  static Result<StepGenerator> make(const StepSpec& spec);
 
   /// Tells that the axis rests at `position`, in units: the count becomes that of the position without a
   /// step. Waiting steps are dropped; the lines stay as they are, and the minimum times run on. Call it only
   /// while the axis stands still. Errors: not_finite, out_of_range (beyond max_step_position).
-  Status place(Real position);
+  Status place(double position);
 
   /// The largest number of edges in a tick: `out` of advance() has that size or more.
   [[nodiscard]] std::size_t max_edges() const;
@@ -123,7 +117,7 @@ class StepGenerator {
   /// Planning prevents this (check_step_rate), so it is a fault. The caller makes a controlled stop of the
   /// rig; this axis gets no more steps, and since it may have been fast, it is unreferenced until it is
   /// homed.
-  Result<std::size_t> advance(const Setpoint<Real>& end, std::span<StepEdge> out);
+  Result<std::size_t> advance(const Setpoint& end, std::span<StepEdge> out);
 
   /// The steps put out so far, with sign: rising edges of STEP, those of the last call included.
   [[nodiscard]] std::int64_t count() const { return state_.count; }
@@ -135,14 +129,14 @@ class StepGenerator {
   [[nodiscard]] const StepDelays& delays() const { return state_.delays; }
   /// The level of DIR at the end of the last tick.
   [[nodiscard]] bool direction() const { return state_.direction; }
-  [[nodiscard]] const StepSpec<Real>& spec() const { return spec_; }
+  [[nodiscard]] const StepSpec& spec() const { return spec_; }
 
  private:
-  StepGenerator(const StepSpec<Real>& spec, std::int32_t max_steps) : spec_(spec), max_steps_(max_steps) {}
+  StepGenerator(const StepSpec& spec, std::int32_t max_steps) : spec_(spec), max_steps_(max_steps) {}
 
   /// Times are from the start of the tick.
   struct State {
-    Setpoint<Real> at;
+    Setpoint at;
     std::int64_t count = 0;
     StepDelays delays;
     std::int64_t may_rise_ns = 0;  ///< no rising edge of STEP before
@@ -156,7 +150,7 @@ class StepGenerator {
   };
   class Writer;
 
-  StepSpec<Real> spec_;
+  StepSpec spec_;
   std::int32_t max_steps_;  ///< the steps that max_step_rate permits in a tick
   State state_;
 };

@@ -35,11 +35,10 @@ concept StepSink = requires(Sink& sink, const Sink& seen, const EdgeInstant& ins
 };
 
 /// One axis on a chip. Owned by the caller, as the room for its edges is: StepGenerator::max_edges().
-template <Precise Real>
 struct StepLane {
-  StepGenerator<Real> generator;
+  StepGenerator generator;
   std::span<StepEdge> edges;
-  Real told = 0;  ///< its last setpoint, kept by the port
+  double told = 0;  ///< its last setpoint, kept by the port
 };
 
 /// The axes of one chip: lanes first_lane .. first_lane + lanes of the port, in the order of `merge`.
@@ -76,13 +75,13 @@ struct StepLaneState {
 /// The motion from a setpoint to the next begins `lead_ns` after the tick in which it is written, tick after
 /// tick without a gap. Without setpoints all waiting edges are dropped at once, even within a pulse; if any
 /// waited, the position is lost too. Such a drive has no ramp: quick_stop() does the same.
-template <Precise Real, StepSink Sink>
+template <StepSink Sink>
 class StepPort {
  public:
   /// Refers to the caller's memory. Errors: wrong_count (the chips do not have all lanes, each once and in
   /// order; `states` or `lists` has not one for each), out_of_range (a time that is not above 0),
   /// capacity with axis (room for edges or instants).
-  static Result<StepPort> make(std::span<StepLane<Real>> lanes, std::span<StepChip<Sink>> chips,
+  static Result<StepPort> make(std::span<StepLane> lanes, std::span<StepChip<Sink>> chips,
                                std::span<StepLaneState> states, std::span<std::span<const StepEdge>> lists,
                                const StepPortTiming& timing) {
     std::size_t next = 0;
@@ -117,7 +116,7 @@ class StepPort {
     return StepPort(lanes, chips, states, lists, timing);
   }
 
-  void read(std::span<DriveState<Real>> states, std::int64_t now_ns) {
+  void read(std::span<DriveState> states, std::int64_t now_ns) {
     now_ns_ = now_ns;
     has_time_ = true;
     if (is_to_switch_on_) switch_on();
@@ -136,7 +135,7 @@ class StepPort {
     }
   }
 
-  void write(std::span<const Setpoint<Real>> setpoints, std::int64_t now_ns) {
+  void write(std::span<const Setpoint> setpoints, std::int64_t now_ns) {
     if (setpoints.empty() || !is_enabled_) {
       cease();
       return;
@@ -176,16 +175,16 @@ class StepPort {
 
   /// The position in axis units by the steps that were put out. If they are at the last setpoint, within half
   /// a step, it is that setpoint.
-  [[nodiscard]] Real position(std::size_t lane) const {
-    const StepGenerator<Real>& generator = lanes_[lane].generator;
-    const Real told = lanes_[lane].told;
-    const Real told_steps = std::floor(told * generator.spec().steps_per_unit + Real(0.5));
-    if (told_steps == static_cast<Real>(generator.count())) return told;
-    return static_cast<Real>(generator.count()) / generator.spec().steps_per_unit;
+  [[nodiscard]] double position(std::size_t lane) const {
+    const StepGenerator& generator = lanes_[lane].generator;
+    const double told = lanes_[lane].told;
+    const double told_steps = std::floor(told * generator.spec().steps_per_unit + 0.5);
+    if (told_steps == static_cast<double>(generator.count())) return told;
+    return static_cast<double>(generator.count()) / generator.spec().steps_per_unit;
   }
   /// Tells that the axis is at `position`, whatever was counted, because it was homed or somebody said so.
   /// Call it only while the axis rests. Errors: those of StepGenerator::place.
-  Status place(std::size_t lane, Real position) {
+  Status place(std::size_t lane, double position) {
     if (const Status placed = lanes_[lane].generator.place(position); !placed) return placed;
     lanes_[lane].told = position;
     states_[lane] = {};
@@ -198,7 +197,7 @@ class StepPort {
   [[nodiscard]] std::uint64_t gaps() const { return gaps_; }
 
  private:
-  StepPort(std::span<StepLane<Real>> lanes, std::span<StepChip<Sink>> chips, std::span<StepLaneState> states,
+  StepPort(std::span<StepLane> lanes, std::span<StepChip<Sink>> chips, std::span<StepLaneState> states,
            std::span<std::span<const StepEdge>> lists, const StepPortTiming& timing)
       : lanes_(lanes),
         chips_(chips),
@@ -223,7 +222,7 @@ class StepPort {
     if (late_ns > max_late_ns_) is_late_ = true;
   }
 
-  std::span<const StepEdge> edges_to(std::size_t i, const Setpoint<Real>& setpoint) {
+  std::span<const StepEdge> edges_to(std::size_t i, const Setpoint& setpoint) {
     if (states_[i].has_failed) return {};
     const Result<std::size_t> count = lanes_[i].generator.advance(setpoint, lanes_[i].edges);
     if (!count) {
@@ -271,7 +270,7 @@ class StepPort {
     }
   }
 
-  std::span<StepLane<Real>> lanes_;
+  std::span<StepLane> lanes_;
   std::span<StepChip<Sink>> chips_;
   std::span<StepLaneState> states_;
   std::span<std::span<const StepEdge>> lists_;

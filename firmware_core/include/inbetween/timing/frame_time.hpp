@@ -1,9 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstdint>
-
-#include "inbetween/base/precision.hpp"
 
 namespace inbetween {
 
@@ -27,25 +26,27 @@ struct WholeFrames {
 };
 
 /// A place on the time line of a move: whole frames and a part of a frame in [0, 1). Two numbers,
-/// so that the part keeps its digits late in a long move, in single precision too.
-template <Precise Real>
-struct FrameTime {
+/// so that the part keeps its digits late in a long move, in single precision too: the tick of a
+/// CountTrajectory takes it in floats.
+template <std::floating_point Real>
+struct BasicFrameTime {
   std::int32_t frame = 0;
   Real fraction = 0;
 
-  friend constexpr bool operator==(const FrameTime&, const FrameTime&) = default;
-  friend constexpr bool operator<(const FrameTime& a, const FrameTime& b) {
+  friend constexpr bool operator==(const BasicFrameTime&, const BasicFrameTime&) = default;
+  friend constexpr bool operator<(const BasicFrameTime& a, const BasicFrameTime& b) {
     return a.frame < b.frame || (a.frame == b.frame && a.fraction < b.fraction);
   }
-  friend constexpr bool operator<=(const FrameTime& a, const FrameTime& b) { return !(b < a); }
+  friend constexpr bool operator<=(const BasicFrameTime& a, const BasicFrameTime& b) { return !(b < a); }
 };
+using FrameTime = BasicFrameTime<double>;
+using FloatFrameTime = BasicFrameTime<float>;
 
 /// `time` moved by so many frames, forward or backward.
-template <Precise Real>
-FrameTime<Real> moved_by(const FrameTime<Real>& time, Real frames) {
-  const Real sum = time.fraction + frames;
-  Real whole = std::floor(sum);
-  Real fraction = sum - whole;
+inline FrameTime moved_by(const FrameTime& time, double frames) {
+  const double sum = time.fraction + frames;
+  double whole = std::floor(sum);
+  double fraction = sum - whole;
   if (fraction >= 1) {  // a tiny negative number is rounded up
     fraction = 0;
     whole += 1;
@@ -54,8 +55,8 @@ FrameTime<Real> moved_by(const FrameTime<Real>& time, Real frames) {
 }
 
 /// In frames, negative if `to` is before `from`.
-template <Precise Real>
-constexpr Real frames_between(const FrameTime<Real>& from, const FrameTime<Real>& to) {
+template <std::floating_point Real>
+constexpr Real frames_between(const BasicFrameTime<Real>& from, const BasicFrameTime<Real>& to) {
   return static_cast<Real>(to.frame - from.frame) + (to.fraction - from.fraction);
 }
 
@@ -69,8 +70,8 @@ constexpr std::int64_t last_tick(std::int32_t frames, FrameRate fps, std::int32_
 /// The place of tick k, at k / rate_hz seconds, on the time line. The division is exact in integers,
 /// so that tick 10^9 is as precise as tick 1; only the fraction is rounded, once.
 /// Domain: k >= 0, k * fps.numerator < 2^63.
-template <Precise Real>
-constexpr FrameTime<Real> frame_time_of_tick(std::int64_t tick, FrameRate fps, std::int32_t rate_hz) {
+template <std::floating_point Real = double>
+constexpr BasicFrameTime<Real> frame_time_of_tick(std::int64_t tick, FrameRate fps, std::int32_t rate_hz) {
   const std::int64_t scaled = tick * fps.numerator;
   const std::int64_t unit = static_cast<std::int64_t>(rate_hz) * fps.denominator;
   return {static_cast<std::int32_t>(scaled / unit),

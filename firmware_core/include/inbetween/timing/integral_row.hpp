@@ -13,24 +13,21 @@
 namespace inbetween {
 
 /// Integral of the cardinal cubic B-spline with support (-2, 2) from -2 to x.
-template <Precise Real>
-Real bspline_integral(Real x) {
+inline double bspline_integral(double x) {
   if (x <= -2) return 0;
   if (x >= 2) return 1;
-  const Real y = x > 0 ? -x : x;  // the spline is even
-  const Real u = y + 2;
-  const Real below =
-      y <= -1 ? u * u * u * u / 24 : Real(0.5) + y * (Real(2) / 3 - y * y * (Real(1) / 3 + y / 8));
+  const double y = x > 0 ? -x : x;  // the spline is even
+  const double u = y + 2;
+  const double below = y <= -1 ? u * u * u * u / 24 : 0.5 + y * (2.0 / 3 - y * y * (1.0 / 3 + y / 8));
   return x > 0 ? 1 - below : below;
 }
 
 /// How the integral of phi over [begin, end], 0 <= begin <= end <= f, depends on each control value, the ends
 /// of the curve included. Only values first()..last() count. A periodic curve has f different values, and
 /// goes on from the last of them to the first: index() tells which one is meant.
-template <Precise Real>
 class IntegralRow {
  public:
-  IntegralRow(Real begin, Real end, std::int32_t f, CurveEnds ends = CurveEnds::natural)
+  IntegralRow(double begin, double end, std::int32_t f, CurveEnds ends = CurveEnds::natural)
       : begin_(begin), end_(end), f_(f), is_periodic_(ends == CurveEnds::periodic) {}
 
   [[nodiscard]] std::int32_t first() const {
@@ -47,8 +44,8 @@ class IntegralRow {
   /// Whether the row reaches over the end of a periodic curve to its first values.
   [[nodiscard]] bool wraps() const { return is_periodic_ && static_cast<std::int32_t>(end_) + 3 >= f_; }
 
-  [[nodiscard]] Real weight(std::int32_t i) const {
-    Real sum = 0;
+  [[nodiscard]] double weight(std::int32_t i) const {
+    double sum = 0;
     if (is_periodic_) {
       const auto first = static_cast<std::int32_t>(index(i)) - f_;
       for (std::int32_t k = first; k <= f_ + 1; k += f_) sum += spline(k);
@@ -61,18 +58,18 @@ class IntegralRow {
     if (i == f_ - 1) sum -= spline(f_ + 1);
     return sum;
   }
-  [[nodiscard]] Real integral(std::span<const Real> values) const {
-    Real sum = 0;
+  [[nodiscard]] double integral(std::span<const double> values) const {
+    double sum = 0;
     for (std::int32_t i = first(); i <= last(); ++i) sum += weight(i) * values[index(i)];
     return sum;
   }
 
  private:
-  [[nodiscard]] Real spline(std::int32_t i) const {
-    const auto centre = static_cast<Real>(i);
+  [[nodiscard]] double spline(std::int32_t i) const {
+    const auto centre = static_cast<double>(i);
     return bspline_integral(end_ - centre) - bspline_integral(begin_ - centre);
   }
-  Real begin_, end_;
+  double begin_, end_;
   std::int32_t f_;
   bool is_periodic_;
 };

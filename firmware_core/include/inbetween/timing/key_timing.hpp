@@ -26,12 +26,11 @@ struct KeyLock {
   std::int16_t knot = -1;  ///< the answer: on which knot of the curve the speed touches 0
 };
 
-template <Precise Real>
 struct KeyTimingSpec {
-  std::span<const Real> control_values;  ///< as drawn, valid for SpeedProfile::make
-  std::span<const Real> key_distances;   ///< arc length from the start to each key; the last is the total
-  std::span<const KeyLock> locks;        ///< in order of their keys
-  std::int32_t frames = 0;               ///< N
+  std::span<const double> control_values;  ///< as drawn, valid for SpeedProfile::make
+  std::span<const double> key_distances;   ///< arc length from the start to each key; the last is the total
+  std::span<const KeyLock> locks;          ///< in order of their keys
+  std::int32_t frames = 0;                 ///< N
   /// The drawn curve has these ends. A periodic one stays so, and may touch 0 or rest at its seam, key 0.
   CurveEnds ends = CurveEnds::natural;
 };
@@ -61,34 +60,32 @@ constexpr std::size_t lock_entry_count(std::size_t locks) {
 
 /// The memory of the adjustment, owned by the caller. `locks` etc. are counts: the ends of the move are
 /// two locks more.
-template <Precise Real>
 struct KeyTimingMemory {
-  std::span<Real> adjusted;     ///< control values: the answer; its size bounds the refinement
-  std::span<Real> drawn;        ///< control values
-  std::span<Real> mobility;     ///< control values
-  std::span<Real> ceiling;      ///< control values
-  std::span<KeyLock> locks;     ///< locks + 2
-  std::span<Real> targets;      ///< locks + 1
-  std::span<Real> multipliers;  ///< 4 * (locks + 1)
-  std::span<LockRow> rows;      ///< locks + 1
-  std::span<Real> weights;      ///< lock_weight_count
-  std::span<Real> matrix;       ///< lock_entry_count
+  std::span<double> adjusted;     ///< control values: the answer; its size bounds the refinement
+  std::span<double> drawn;        ///< control values
+  std::span<double> mobility;     ///< control values
+  std::span<double> ceiling;      ///< control values
+  std::span<KeyLock> locks;       ///< locks + 2
+  std::span<double> targets;      ///< locks + 1
+  std::span<double> multipliers;  ///< 4 * (locks + 1)
+  std::span<LockRow> rows;        ///< locks + 1
+  std::span<double> weights;      ///< lock_weight_count
+  std::span<double> matrix;       ///< lock_entry_count
 };
 
 /// The changes of the drawn curve.
-template <Precise Real>
 struct KeyTiming {
-  std::span<const Real> control_values;  ///< f + 1 of them, in KeyTimingMemory::adjusted
-  std::span<const KeyLock> locks;        ///< the wishes with every frame filled in, in KeyTimingMemory::locks
-  std::int32_t refinements = 0;          ///< how often f was doubled (exactly, without changing the curve)
-  Real largest_change = 0;               ///< of a control value of the refined curve
-  std::int32_t largest_change_at = 0;    ///< its index
+  std::span<const double> control_values;  ///< f + 1 of them, in KeyTimingMemory::adjusted
+  std::span<const KeyLock> locks;      ///< the wishes with every frame filled in, in KeyTimingMemory::locks
+  std::int32_t refinements = 0;        ///< how often f was doubled (exactly, without changing the curve)
+  double largest_change = 0;           ///< of a control value of the refined curve
+  std::int32_t largest_change_at = 0;  ///< its index
 
   /// When a lock is met, in frames: a whole one unless it eases without a frame of its own.
-  [[nodiscard]] Real frame_of(const KeyLock& lock, std::int32_t frames) const {
-    if (lock.knot < 0) return static_cast<Real>(lock.frame);
-    return static_cast<Real>(lock.knot) * static_cast<Real>(frames) /
-           static_cast<Real>(control_values.size() - 1);
+  [[nodiscard]] double frame_of(const KeyLock& lock, std::int32_t frames) const {
+    if (lock.knot < 0) return static_cast<double>(lock.frame);
+    return static_cast<double>(lock.knot) * static_cast<double>(frames) /
+           static_cast<double>(control_values.size() - 1);
   }
 };
 
@@ -105,27 +102,26 @@ struct KeyTiming {
 /// lambda); semismooth Newton steps (Qi and Sun 1993), each followed to where the dual is highest. A dual
 /// value above the cost of every curve from 0 to 100 proves that there is none.
 ///
-/// Accuracy: each lock is met within 1e-12 (double) or 1e-5 (float) of the length.
+/// Accuracy: each lock is met within 1e-12 of the length.
 ///
 /// Errors: out_of_range (no such key, a frame outside 0..N, the first key not on 0, the last not on N, order
 /// reversed, two keys on one frame: with key and frame), no_solution (with a key that cannot be met; a key
 /// that eases on a frame that is no knot), capacity.
 ///
 /// Cost: linear in f and in the locks; tens of times as a rule, where there is no curve thousands of times.
-template <Precise Real>
-Result<KeyTiming<Real>> adjust_to_locks(const KeyTimingSpec<Real>& spec, const KeyTimingMemory<Real>& memory);
+Result<KeyTiming> adjust_to_locks(const KeyTimingSpec& spec, const KeyTimingMemory& memory);
 
-template <Precise Real, std::size_t Locks, std::size_t Values>
+template <std::size_t Locks, std::size_t Values>
 struct KeyTimingStorage {
-  std::array<Real, Values> adjusted, drawn, mobility, ceiling;
+  std::array<double, Values> adjusted, drawn, mobility, ceiling;
   std::array<KeyLock, Locks + 2> locks;
-  std::array<Real, Locks + 1> targets;
-  std::array<Real, 4 * (Locks + 1)> multipliers;
+  std::array<double, Locks + 1> targets;
+  std::array<double, 4 * (Locks + 1)> multipliers;
   std::array<LockRow, Locks + 1> rows;
-  std::array<Real, lock_weight_count(Locks, Values)> weights;
-  std::array<Real, lock_entry_count(Locks)> matrix;
+  std::array<double, lock_weight_count(Locks, Values)> weights;
+  std::array<double, lock_entry_count(Locks)> matrix;
 
-  [[nodiscard]] KeyTimingMemory<Real> memory() {
+  [[nodiscard]] KeyTimingMemory memory() {
     return {adjusted, drawn, mobility, ceiling, locks, targets, multipliers, rows, weights, matrix};
   }
 };

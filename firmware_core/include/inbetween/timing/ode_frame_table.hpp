@@ -11,17 +11,15 @@
 
 namespace inbetween {
 
-template <Precise Real>
 struct OdeOptions {
-  std::int32_t substeps = 10;   ///< k of the paper's Figure 3: Runge-Kutta steps a frame
-  Real tolerance = Real(1e-9);  ///< of K, relative; ZEROIN stops there
+  std::int32_t substeps = 10;  ///< k of the paper's Figure 3: Runge-Kutta steps a frame
+  double tolerance = 1e-9;     ///< of K, relative; ZEROIN stops there
 };
 
 /// The speed of one segment, precomputed for the integration: sigma(t) = scale * sqrt(q(t)).
-template <Precise Real>
 struct OdeSegment {
-  Real q0 = 0, q1 = 0, q2 = 0, q3 = 0, q4 = 0;
-  Real scale = 0;
+  double q0 = 0, q1 = 0, q2 = 0, q3 = 0, q4 = 0;
+  double scale = 0;
 };
 
 /// Solves ds/da = K phi(a) / |dP/ds|, s(0) = 0, s(f) = n, by classical Runge-Kutta of order 4 with k
@@ -34,9 +32,7 @@ struct OdeSegment {
 /// accuracy (worst speed error above 2 %: use a larger k), out_of_range (k; a track with breaks, or
 /// timed by frames), capacity.
 /// Cost: 4 k N evaluations for each of about ten integrations.
-template <Precise Real>
-Result<FrameTable<Real>> runge_kutta_table(const Track<Real>& track, const OdeOptions<Real>& options,
-                                           std::span<OdeSegment<Real>> segments,
-                                           std::span<PathPoint<Real>> memory);
+Result<FrameTable> runge_kutta_table(const Track& track, const OdeOptions& options,
+                                     std::span<OdeSegment> segments, std::span<PathPoint> memory);
 
 }  // namespace inbetween

@@ -12,12 +12,11 @@ inline constexpr std::size_t motion_quantities = 3;
 using MotionTriple = std::array<double, motion_quantities>;
 
 /// A proven bound, and the frame, which need not be a whole one, near which it is reached.
-template <Precise Real>
 struct Peak {
-  Real value = 0;
-  Real frame = 0;
+  double value = 0;
+  double frame = 0;
 
-  constexpr void raise(Real to, Real at_frame) {
+  constexpr void raise(double to, double at_frame) {
     if (to > value) *this = {to, at_frame};
   }
 };
@@ -25,10 +24,9 @@ struct Peak {
 /// One axis over a move or a part of it, in axis units and seconds. Velocity, acceleration and jerk are
 /// suprema of the magnitude over the open stretches between keys and knots of the speed curve, and of their
 /// one-sided limits: what steps at a key is listed apart. Infinity where there is no bound.
-template <Precise Real>
 struct AxisPeaks {
-  Peak<Real> lowest, highest;  ///< position
-  Peak<Real> velocity, acceleration, jerk;
+  Peak lowest, highest;  ///< position
+  Peak velocity, acceleration, jerk;
 
   /// This takes in the peaks of another part of the same axis' motion.
   constexpr void raise(const AxisPeaks& other) {

@@ -19,10 +19,10 @@ namespace inbetween {
 /// (Farouki 2012, "The Bernstein polynomial basis: a centennial retrospective", section 5); pieces are halved
 /// (de Casteljau) until the hull is within 1e-5 of what is reached. `out` has an entry for every axis.
 /// Domain: begin() <= from < to <= end(). O(pieces * axes), no allocation.
-void bound_trajectory(const Trajectory& trajectory, const FrameTime<double>& from,
-                      const FrameTime<double>& to, std::span<AxisPeaks<double>> out);
+void bound_trajectory(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
+                      std::span<AxisPeaks> out);
 /// The same from its begin to its end.
-void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks<double>> out);
+void bound_trajectory(const Trajectory& trajectory, std::span<AxisPeaks> out);
 
 /// A time line cut into cells of equal length. A piece belongs to every cell that it has a part of.
 struct CellLine {
@@ -35,7 +35,7 @@ struct CellLine {
 /// than 2 % or `room` (of every axis). Infinity where there is no bound. `out` has a triple for every axis of
 /// a cell, cell by cell, each `stride` behind the one before. Domain: begin() <= from < to <= end().
 /// O((pieces + cells) * axes).
-void bound_cells(const Trajectory& trajectory, const FrameTime<double>& from, const FrameTime<double>& to,
+void bound_cells(const Trajectory& trajectory, const FrameTime& from, const FrameTime& to,
                  const CellLine& line, std::span<const MotionTriple> room, std::span<MotionTriple> out,
                  std::size_t stride);
 

@@ -19,7 +19,7 @@ namespace inbetween {
 
 /// A stretch of time of all axes, which lasts until the next begins. The last one is the end, at rest.
 struct CountTrajectoryPiece {
-  FrameTime<float> begin;
+  FloatFrameTime begin;
   float inverse_frames = 0;  ///< 1 / length in frames; 0 for the end
 };
 
@@ -81,7 +81,7 @@ class CountTrajectory {
   /// entries. Before its begin the trajectory's first position and from its end on the last one. O(axes) in
   /// the piece of the last call and the next one, otherwise O(log pieces + axes); no allocation, no library
   /// call; the same bits on every target.
-  INBETWEEN_PROCESSOR_CLONES void counts(const FrameTime<float>& time, std::span<std::int32_t> out) {
+  INBETWEEN_PROCESSOR_CLONES void counts(const FloatFrameTime& time, std::span<std::int32_t> out) {
     const float u = parameter(time);
     const CountPolynomial* polynomial = current_polynomials_;
     for (std::int32_t& count : out) count = (polynomial++)->count(u);
@@ -91,7 +91,7 @@ class CountTrajectory {
     std::int32_t base = 0;
     float offset = 0;
   };
-  [[nodiscard]] INBETWEEN_PROCESSOR_CLONES Position position(const FrameTime<float>& time, std::size_t axis) {
+  [[nodiscard]] INBETWEEN_PROCESSOR_CLONES Position position(const FloatFrameTime& time, std::size_t axis) {
     const float u = parameter(time);
     return {current_polynomials_[axis].base(), current_polynomials_[axis].offset(u)};
   }
@@ -100,14 +100,14 @@ class CountTrajectory {
   CountTrajectory() = default;
 
   /// In the current piece, which is found anew where the time is not in it.
-  [[nodiscard]] INBETWEEN_PART_OF_CLONES float parameter(const FrameTime<float>& time) {
+  [[nodiscard]] INBETWEEN_PART_OF_CLONES float parameter(const FloatFrameTime& time) {
     const float u = frames_between(current_->begin, time) * current_->inverse_frames;
     // Below zero is a large number here, also -0.
     if (std::bit_cast<std::uint32_t>(u) < std::bit_cast<std::uint32_t>(1.0F)) [[likely]]
       return u;
     return find(time);
   }
-  float find(const FrameTime<float>& time);
+  float find(const FloatFrameTime& time);
 
   std::span<const CountTrajectoryPiece> pieces_;
   const CountPolynomial* polynomials_ = nullptr;

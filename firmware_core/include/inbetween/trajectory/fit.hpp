@@ -33,7 +33,7 @@ struct TrajectoryStorage {
   std::array<std::uint32_t, Pieces> buckets;
   std::array<TrajectoryBreak, Breaks> breaks;
   std::array<UnboundedSide, 3 * Breaks * Axes> unbounded;
-  std::array<AxisMotion<double>, 3 * Axes> samples;
+  std::array<AxisMotion, 3 * Axes> samples;
   std::array<double, fit_numbers * Axes> numbers;
 
   [[nodiscard]] TrajectoryMemory memory() {
@@ -42,8 +42,7 @@ struct TrajectoryStorage {
 };
 
 /// How far each axis goes, by the joints and the middles between them. `samples` has an entry for each axis.
-void measure_travel(const TrackSampler& sampler, std::span<AxisMotion<double>> samples,
-                    std::span<double> out);
+void measure_travel(const TrackSampler& sampler, std::span<AxisMotion> samples, std::span<double> out);
 
 /// The trajectory of a sampled motion. Each stretch between two joints is halved until the Hermite polynomial
 /// of its ends is within the tolerances: so says the error of a septic and its three derivatives in the

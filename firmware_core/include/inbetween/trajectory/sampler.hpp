@@ -19,15 +19,15 @@ struct SampledSpeed {
   double speed = 0;        ///< along the path, unit/s, as the weights of the axes count
   std::uint8_t order = 3;  ///< the highest derivative that has a value on this side: 0, 1 or 3
   double off = 0;          ///< how far along the path the place may be from where the curve has brought it
-  PathPoint<double> point = {};  ///< the place on the path
+  PathPoint point = {};    ///< the place on the path
 };
 
 /// A moment at which the asked motion is not smooth, or may not be.
 struct SampledJoint {
-  FrameTime<double> time;
+  FrameTime time;
   std::int32_t key = -1;                           ///< that is passed there: of keys in one place the first
-  CurvePlace<double> curve_before, curve_after;    ///< of a drawn curve
-  PathPoint<double> point_before, point_after;     ///< of the path
+  CurvePlace curve_before, curve_after;            ///< of a drawn curve
+  PathPoint point_before, point_after;             ///< of the path
   double constant_before = 0, constant_after = 0;  ///< of a drawn curve
   /// So far along the path the motion may be from what is smooth here: the way to a turn so near to a key
   /// that no time lies between both, and back.
@@ -47,7 +47,7 @@ class TrackSampler {
   /// curve, breaks, passings of knots of the path, and places where the path (nearly) stands still. Timed by
   /// frames: the knots of the path. Of a path without length: both ends. Errors: capacity, with what would
   /// suffice at most (max_joints).
-  static Result<TrackSampler> make(const Track<double>& track, std::span<SampledJoint> joints);
+  static Result<TrackSampler> make(const Track& track, std::span<SampledJoint> joints);
 
   [[nodiscard]] std::size_t axis_count() const {
     return static_cast<std::size_t>(track_->path().axis_count());
@@ -71,15 +71,14 @@ class TrackSampler {
 
   /// Between joints. At order 0, where an axis has no velocity, it has the one that would make of the
   /// rounding of the distance what that makes of the position.
-  [[nodiscard]] SampledSpeed sample(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  [[nodiscard]] SampledSpeed sample(const FrameTime& time, std::span<AxisMotion> out) const;
   /// The same for who asks for many moments on a segment of the path: `known` is what was worked out of it.
-  SampledSpeed sample(const FrameTime<double>& time, SampledSegment& known,
-                      std::span<AxisMotion<double>> out) const;
+  SampledSpeed sample(const FrameTime& time, SampledSegment& known, std::span<AxisMotion> out) const;
   /// These tell with what the motion comes to a joint, and with what it leaves it.
-  [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
-  [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion<double>> out) const;
+  [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion> out) const;
+  [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion> out) const;
   /// How far from its position at a point every axis is within so much of the distance along the path.
-  void write_reach(const PathPoint<double>& point, double way, std::span<double> out) const;
+  void write_reach(const PathPoint& point, double way, std::span<double> out) const;
   /// The lowest derivative of an axis that has no bound beside a joint at which the path stands still, if it
   /// is passed at a drawn speed: 1 velocity, 2 acceleration; 0 where all have one. `known` is what is known
   /// of the side that is meant.
@@ -87,14 +86,13 @@ class TrackSampler {
                                              std::size_t axis) const;
 
  private:
-  TrackSampler(const Track<double>& track, std::span<const SampledJoint> joints)
-      : track_(&track), joints_(joints) {}
+  TrackSampler(const Track& track, std::span<const SampledJoint> joints) : track_(&track), joints_(joints) {}
 
-  const Track<double>* track_;
+  const Track* track_;
   std::span<const SampledJoint> joints_;
 };
 
 /// The most joints that a track has.
-std::size_t max_joints(const Track<double>& track);
+std::size_t max_joints(const Track& track);
 
 }  // namespace inbetween

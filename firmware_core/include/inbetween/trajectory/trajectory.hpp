@@ -14,7 +14,7 @@ namespace inbetween {
 /// One stretch of time of all axes: the polynomial that has the values of two rows at its ends (Hermite).
 /// With u = (time - begin) / length, u = 1 belongs to the next piece, so that every joint is exact.
 struct TrajectoryPiece {
-  FrameTime<double> begin;
+  FrameTime begin;
   double inverse_frames = 0;    ///< 1 / length in frames
   double seconds = 0;           ///< length
   std::uint32_t begin_row = 0;  ///< where its values begin in Trajectory::values()
@@ -28,14 +28,14 @@ struct TrajectoryPiece {
 
 /// A joint at which derivatives may step.
 struct TrajectoryBreak {
-  FrameTime<double> time;
+  FrameTime time;
   std::uint32_t piece = 0;  ///< the one that begins there
   std::int32_t key = -1;    ///< that is passed there; -1 where none is
 };
 
 /// A derivative of the asked motion without a bound, which no polynomial has.
 struct UnboundedSide {
-  FrameTime<double> time;
+  FrameTime time;
   std::int32_t axis = 0;
   std::int32_t key = -1;   ///< that is passed there; -1 between keys
   std::uint8_t order = 2;  ///< this derivative and those above: 1 velocity, 2 acceleration
@@ -52,15 +52,15 @@ struct TrajectoryMemory {
                                      ///< twice as many are used
   std::span<TrajectoryBreak> breaks;
   std::span<UnboundedSide> unbounded;
-  std::span<AxisMotion<double>> samples;  ///< 3 for each axis, while it is made
-  std::span<double> numbers;              ///< fit_numbers for each axis, while it is made
+  std::span<AxisMotion> samples;  ///< 3 for each axis, while it is made
+  std::span<double> numbers;      ///< fit_numbers for each axis, while it is made
 };
 
 /// A trajectory whose pieces are known.
 struct TrajectoryContents {
   std::size_t axis_count = 0;
   FrameRate fps;
-  FrameTime<double> end;
+  FrameTime end;
   std::span<const TrajectoryPiece> pieces;  ///< at least one, in their order
   std::span<const double> values;
   std::span<const TrajectoryBreak> breaks = {};
@@ -87,31 +87,31 @@ class Trajectory {
   [[nodiscard]] std::span<const double> values() const { return values_; }
   [[nodiscard]] std::span<const TrajectoryBreak> breaks() const { return breaks_; }
   [[nodiscard]] std::span<const UnboundedSide> unbounded() const { return unbounded_; }
-  [[nodiscard]] const FrameTime<double>& begin() const { return begin_; }
-  [[nodiscard]] const FrameTime<double>& end() const { return end_; }
+  [[nodiscard]] const FrameTime& begin() const { return begin_; }
+  [[nodiscard]] const FrameTime& end() const { return end_; }
   [[nodiscard]] FrameRate frame_rate() const { return fps_; }
   [[nodiscard]] bool keeps_to_joints() const { return keeps_to_joints_; }
   /// How many times the tolerances of the fit what plays may be from what was asked: 1, but where the samples
   /// were rounded so much that no piece came nearer.
   [[nodiscard]] double loosened() const { return loosened_; }
-  [[nodiscard]] FrameTime<double> end_of(std::size_t piece) const {
+  [[nodiscard]] FrameTime end_of(std::size_t piece) const {
     return piece + 1 < pieces_.size() ? pieces_[piece + 1].begin : end_of_pieces_;
   }
 
   /// The same motion on some of its frames alone, to the last bit; outside them it rests.
   /// Domain: begin() <= first < last <= end().
-  [[nodiscard]] Trajectory part(const FrameTime<double>& first, const FrameTime<double>& last) const;
+  [[nodiscard]] Trajectory part(const FrameTime& first, const FrameTime& last) const;
 
   /// The position of every axis: the tick. `out` has axis_count() entries. O(axes), no allocation, the same
   /// bits on every target.
-  void positions(const FrameTime<double>& time, std::span<double> out) const;
+  void positions(const FrameTime& time, std::span<double> out) const;
   /// Position and three derivatives of every axis. On a joint those with which the motion leaves it; at the
   /// end those with which it arrives. O(axes).
-  void motion(const FrameTime<double>& time, std::span<AxisMotion<double>> out) const;
+  void motion(const FrameTime& time, std::span<AxisMotion> out) const;
   /// The same of one axis, to the last bit. O(1).
-  [[nodiscard]] AxisMotion<double> motion_of(std::size_t axis, const FrameTime<double>& time) const;
+  [[nodiscard]] AxisMotion motion_of(std::size_t axis, const FrameTime& time) const;
   /// The piece that a time from begin() to before end() lies in.
-  [[nodiscard]] std::size_t piece_at(const FrameTime<double>& time) const;
+  [[nodiscard]] std::size_t piece_at(const FrameTime& time) const;
 
  private:
   Trajectory() = default;
@@ -121,9 +121,8 @@ class Trajectory {
     bool is_at_end;   ///< of the piece
     bool is_outside;  ///< before the begin or behind the end
   };
-  [[nodiscard]] Look look_at(const FrameTime<double>& time) const;
-  [[nodiscard]] AxisMotion<double> settled(AxisMotion<double> motion, const Look& look,
-                                           std::size_t axis) const;
+  [[nodiscard]] Look look_at(const FrameTime& time) const;
+  [[nodiscard]] AxisMotion settled(AxisMotion motion, const Look& look, std::size_t axis) const;
 
   std::span<const TrajectoryPiece> pieces_;
   std::span<const double> values_;
@@ -131,8 +130,8 @@ class Trajectory {
   std::span<const TrajectoryBreak> breaks_;
   std::span<const UnboundedSide> unbounded_;
   std::size_t axis_count_ = 0;
-  FrameTime<double> begin_, end_;
-  FrameTime<double> end_of_pieces_;
+  FrameTime begin_, end_;
+  FrameTime end_of_pieces_;
   FrameRate fps_;
   double buckets_per_frame_ = 0;
   bool keeps_to_joints_ = false;
