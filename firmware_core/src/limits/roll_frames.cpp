@@ -21,10 +21,10 @@ bool all_at_rest(std::span<const AxisMotion> joints) {
 /// A roll that nobody looks at is ruled out by this much more than its rounding.
 constexpr double generous = 16 * std::numeric_limits<double>::epsilon();
 
-using Breach = std::optional<RollBreach>;
+using FoundBreach = std::optional<RollBreach>;
 
 /// The limit that the joint breaks, and so the move.
-Breach breach_at_joint(const AxisMotion& joint, const AxisLimits& limits) {
+FoundBreach breach_at_joint(const AxisMotion& joint, const AxisLimits& limits) {
   const auto broken = [](RollQuantity quantity, double value, double limit) {
     return RollBreach{.quantity = quantity, .at_joint = true, .value = value, .limit = limit};
   };
@@ -38,7 +38,7 @@ Breach breach_at_joint(const AxisMotion& joint, const AxisLimits& limits) {
   return std::nullopt;
 }
 
-Breach breach_on_the_way(const AxisPeaks& peaks, const AxisLimits& limits) {
+FoundBreach breach_on_the_way(const AxisPeaks& peaks, const AxisLimits& limits) {
   const auto broken = [](RollQuantity quantity, const Peak& peak, double limit) {
     return RollBreach{.quantity = quantity, .value = peak.value, .limit = limit, .frame = peak.frame};
   };
@@ -53,7 +53,7 @@ Breach breach_on_the_way(const AxisPeaks& peaks, const AxisLimits& limits) {
   return std::nullopt;
 }
 
-Result<Breach> breach_of_axis(const RollRequest& request, std::size_t axis, std::int32_t frames) {
+Result<FoundBreach> breach_of_axis(const RollRequest& request, std::size_t axis, std::int32_t frames) {
   const auto number = static_cast<std::int32_t>(axis);
   const Result<RollAxis> roll =
       RollAxis::make({request.end, request.joint_frame, frames, request.fps}, request.joints[axis]);
@@ -62,7 +62,7 @@ Result<Breach> breach_of_axis(const RollRequest& request, std::size_t axis, std:
     error.axis = number;
     return error;
   }
-  Breach breach = breach_at_joint(request.joints[axis], request.limits[axis]);
+  FoundBreach breach = breach_at_joint(request.joints[axis], request.limits[axis]);
   if (breach) {
     breach->frame = static_cast<double>(request.joint_frame);
   } else {
@@ -123,10 +123,10 @@ std::int32_t fewest_frames(const RollRequest& request) {
 
 /// Names a limit that a roll of `frames` frames breaks: one that no longer roll keeps, else one that wants a
 /// longer roll whatever else there is, else one of position.
-Result<Breach> weightiest_breach(const RollRequest& request, std::int32_t frames) {
-  Breach weightiest;
+Result<FoundBreach> weightiest_breach(const RollRequest& request, std::int32_t frames) {
+  FoundBreach weightiest;
   for (std::size_t i = 0; i < request.joints.size(); ++i) {
-    const Result<Breach> breach = breach_of_axis(request, i, frames);
+    const Result<FoundBreach> breach = breach_of_axis(request, i, frames);
     if (!breach) return breach.error();
     if (!*breach) continue;
     if (!longer_may_help(request, **breach)) return *breach;
@@ -140,16 +140,16 @@ Result<Breach> weightiest_breach(const RollRequest& request, std::int32_t frames
 /// The answer, or what is in the way.
 struct Search {
   std::int32_t frames = 0;
-  Breach obstacle;
+  FoundBreach obstacle;
 };
 
 Result<Search> search(const RollRequest& request) {
   const Status counts = check_request(request);
   if (!counts) return counts.error();
   if (all_at_rest(request.joints)) return Search{};
-  Breach obstacle;
+  FoundBreach obstacle;
   for (std::int32_t frames = fewest_frames(request); frames <= max_roll_frames; ++frames) {
-    const Result<Breach> breach = weightiest_breach(request, frames);
+    const Result<FoundBreach> breach = weightiest_breach(request, frames);
     if (!breach) return breach.error();
     if (!*breach) return Search{.frames = frames, .obstacle = std::nullopt};
     if (!longer_may_help(request, **breach)) return Search{.frames = 0, .obstacle = *breach};
@@ -193,10 +193,10 @@ Result<std::optional<RollBreach>> roll_breach(const RollRequest& request, std::i
   const Status counts = check_request(request);
   if (!counts) return counts.error();
   for (std::size_t i = 0; i < request.joints.size(); ++i) {
-    Result<Breach> breach = breach_of_axis(request, i, frames);
+    Result<FoundBreach> breach = breach_of_axis(request, i, frames);
     if (!breach || *breach) return breach;
   }
-  return Breach{};
+  return FoundBreach{};
 }
 
 Result<std::int32_t> roll_frames(const RollRequest& request) {

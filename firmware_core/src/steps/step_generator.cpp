@@ -266,12 +266,13 @@ Result<std::size_t> StepGenerator::advance(const Setpoint& end, std::span<StepEd
   next.at = end;
   Writer writer(spec_, next, out);
   const auto tick = static_cast<double>(spec_.tick_ns);
-  // An edge is rounded to a nanosecond, so a sixteenth of one suffices; double may not resolve even that.
+  constexpr double half_a_nanosecond = 0.5;  // what is rounded so is not negative
+  // An edge is rounded to a nanosecond, so a sixteenth of one suffices; a double may not resolve even that.
   const double sixteenth_ns = 1 / (16 * tick);
   const double tolerance = std::max(sixteenth_ns, 2 * std::numeric_limits<double>::epsilon());
   bool fits = true;
   crossings.visit(tolerance, [&](double u, bool up) {
-    const auto at_ns = std::min(static_cast<std::int64_t>(u * tick + 0.5), spec_.tick_ns);
+    const auto at_ns = std::min(static_cast<std::int64_t>(u * tick + half_a_nanosecond), spec_.tick_ns);
     fits = fits && writer.cross(at_ns, up);
   });
   if (!fits) {

@@ -145,13 +145,12 @@ class NearestCurve {
       if (evaluate_at(high) > largest_cost) return false;
       high_slope = slope();
     }
-    double step = high;
     double step_slope = high_slope;
     for (int i = 0; i < max_secants; ++i) {
       if (std::fabs(step_slope) <= first_slope / 16 || worst_residual() <= unmet / 16) break;
       const double secant = low + (high - low) * (low_slope / (low_slope - high_slope));
       const double middle = low + (high - low) / 2;
-      step = i % 3 == 2 || !(secant > low && secant < high) ? middle : secant;
+      const double step = i % 3 == 2 || !(secant > low && secant < high) ? middle : secant;
       static_cast<void>(evaluate_at(step));
       step_slope = slope();
       (step_slope > 0 ? low : high) = step;
