@@ -198,28 +198,5 @@ TEST(FreeAxisProperty, OutsideItOnlyMovesTowardsTheInside) {
   });
 }
 
-/// Driven to and fro at up to the velocity that the helper says, broken off at any tick.
-TEST(FreeAxisProperty, TheVelocityThatStopsInTimeDoesAtAnyTick) {
-  double fullest = 0;
-  check_property(many_sequences, [&] {
-    Axis any = any_axis();
-    const double seconds = *rc::gen::inRange(1, 100) / 100.0;
-    const double velocity = any.axis.velocity_that_stops_within(seconds);
-    RC_ASSERT(velocity >= 0);
-    RC_ASSERT(velocity <= any.limits.velocity);
-    for (int i = 0; i < commanded_ticks; ++i) {
-      if (*rc::gen::inRange(0, 30) == 0) {
-        static_cast<void>(any.axis.drive(*rc::gen::inRange(-2, 3) / 2.0 * velocity));
-      }
-      any.axis.tick();
-      RC_ASSERT(any.axis.stop_seconds() <= seconds * (1 + 1e-7));
-      if (velocity < any.limits.velocity) fullest = std::max(fullest, any.axis.stop_seconds() / seconds);
-    }
-  });
-  std::cout << "the longest stop took " << fullest << " of its time\n";
-  if (!counts_mean_something()) return;
-  EXPECT_GT(fullest, 0.95);
-}
-
 }  // namespace free_axis_property_test
 }  // namespace inbetween

@@ -39,7 +39,7 @@ void command(Playhead& playhead, const PlayedMotion& played, std::optional<Expos
     return Exposure{moved_by(at, open), moved_by(at, open + share),
                     slower * share / move.frame_rate().frames_per_second()};
   };
-  switch (*rc::gen::inRange(0, 10)) {
+  switch (*rc::gen::inRange(0, 9)) {
     case 0:
     case 1:
       static_cast<void>(playhead.play(direction()));
@@ -57,10 +57,7 @@ void command(Playhead& playhead, const PlayedMotion& played, std::optional<Expos
       static_cast<void>(playhead.set_override(*rc::gen::inRange(1, 131) / 100.0));
       break;
     case 6:
-      static_cast<void>(playhead.scrub_to({frame(), 0}));
-      break;
     case 7:
-    case 8:
       wanted = exposure();
       playhead.stop();
       break;
@@ -185,12 +182,10 @@ void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& rep
   for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
   record.allow_steps_at(steps);
   StopWatch watch;
-  const Move& move = staged.plan().played();
-  const auto frame = [&] { return *rc::gen::inRange(move.first_frame(), move.last_frame() + 1); };
   RC_ASSERT(playhead.play(Direction::forward).has_value());
   for (int tick = 0; tick < ticks; ++tick) {
     if (*rc::gen::inRange(0, 60) == 0) {
-      switch (*rc::gen::inRange(0, 7)) {
+      switch (*rc::gen::inRange(0, 6)) {
         case 0:
         case 1:
           static_cast<void>(playhead.play(Direction::forward));
@@ -201,9 +196,6 @@ void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& rep
           break;
         case 3:
           static_cast<void>(playhead.play(Direction::backward));
-          break;
-        case 4:
-          static_cast<void>(playhead.scrub_to({frame(), 0}));
           break;
         default:
           static_cast<void>(playhead.set_override(rate * *rc::gen::inRange(1, 101) / 100.0));

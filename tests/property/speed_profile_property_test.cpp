@@ -119,39 +119,5 @@ TEST(SpeedProfileProperty, TheIntegralNeverFalls) {
   });
 }
 
-TEST(SpeedProfileProperty, RandomEditsKeepTheListALegalCurve) {
-  check_property(many_curves, [] {
-    ControlValues<12> values;
-    RC_ASSERT(static_cast<bool>(values.push_back(10)));
-    std::vector<double> model{10};
-    for (int i = 0; i < 60; ++i) {
-      const auto index = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange<std::size_t>(0, 14));
-      const double by = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-20, 130));
-      const int edit = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, 4));
-      const auto at = model.begin() + static_cast<std::ptrdiff_t>(index);
-      const bool there = index < model.size();
-      const double raised = there ? model[index] + (edit == 3 ? -by : by) : 0;
-      bool legal = there && raised >= 0 && raised <= 100;
-      Status done = Done{};
-      if (edit == 0) {
-        legal = index <= model.size() && model.size() < 12 && by >= 0 && by <= 100;
-        if (legal) model.insert(at, by);
-        done = insert_control_value(values, index, by);
-      } else if (edit == 1) {
-        legal = there && model.size() > 1;
-        if (legal) model.erase(at);
-        done = erase_control_value(values, index);
-      } else {
-        if (legal) *at = raised;
-        done = raise_control_value(values, index, edit == 3 ? -by : by);
-      }
-      RC_ASSERT(done.has_value() == legal);
-      RC_ASSERT(std::ranges::equal(values, model));
-    }
-    SpeedProfileStorage<12> storage;
-    RC_ASSERT(SpeedProfile::make(values, storage.memory()).has_value());
-  });
-}
-
 }  // namespace speed_profile_property_test
 }  // namespace inbetween

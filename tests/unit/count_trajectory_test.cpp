@@ -154,19 +154,40 @@ TEST(CountTrajectory, APieceThatIsShorterThanAFloatTellsIsPassedAtItsBegin) {
 
 // What a quintic cannot follow of it is a count and a half, so it is cut.
 TEST(CountTrajectory, ASepticFromRestToRestIsFollowedByQuintics) {
-  const std::array<double, 8> values{0, 0, 0, 0, 600, 0, 0, 0};
+  for (const double scale : {1.0, 512.0, 1.0 / 512}) {
+    const std::array<double, 8> values{0, 0, 0, 0, 600 / scale, 0, 0, 0};
+    const std::array<TrajectoryPiece, 1> pieces{
+        {{.begin = {}, .inverse_frames = 1.0 / 24, .seconds = 1, .begin_row = 0, .end_row = 4, .degree = 7}}};
+    std::array<std::uint32_t, 1> buckets{};
+    const Trajectory trajectory = *Trajectory::make(
+        {.axis_count = 1, .fps = {24, 1}, .end = {24, 0}, .pieces = pieces, .values = values}, buckets);
+    CountsOfTrajectory counts(trajectory, {scale});
+    std::array<double, 1> position;
+    for (int k = 0; k < 24 * 16; ++k) {
+      const FloatFrameTime time{k / 16, static_cast<float>(k % 16) / 16};
+      trajectory.positions({time.frame, time.fraction}, position);
+      const CountTrajectory::Position found = counts->position(time, 0);
+      EXPECT_NEAR(found.base + static_cast<double>(found.offset), position[0] * scale, 0.02)
+          << k << " at " << scale;
+    }
+  }
+}
+
+TEST(CountTrajectory, APieceThatIsMadeFromVelocitiesIsFollowed) {
+  // From rest to 40 in the half of a second.
+  const std::array<double, 8> values{7, 0, 0, 0, 17, 40, 0, 0};
   const std::array<TrajectoryPiece, 1> pieces{
-      {{.begin = {}, .inverse_frames = 1.0 / 24, .seconds = 1, .begin_row = 0, .end_row = 4, .degree = 7}}};
+      {{.begin = {}, .inverse_frames = 1.0 / 12, .seconds = 0.5, .begin_row = 0, .end_row = 4, .degree = 6}}};
   std::array<std::uint32_t, 1> buckets{};
   const Trajectory trajectory = *Trajectory::make(
-      {.axis_count = 1, .fps = {24, 1}, .end = {24, 0}, .pieces = pieces, .values = values}, buckets);
-  CountsOfTrajectory counts(trajectory, {1.0});
+      {.axis_count = 1, .fps = {24, 1}, .end = {12, 0}, .pieces = pieces, .values = values}, buckets);
+  CountsOfTrajectory counts(trajectory, {100.0});
   std::array<double, 1> position;
-  for (int k = 0; k < 24 * 16; ++k) {
+  for (int k = 0; k < 12 * 16; ++k) {
     const FloatFrameTime time{k / 16, static_cast<float>(k % 16) / 16};
     trajectory.positions({time.frame, time.fraction}, position);
     const CountTrajectory::Position found = counts->position(time, 0);
-    EXPECT_NEAR(found.base + static_cast<double>(found.offset), position[0], 0.02) << k;
+    EXPECT_NEAR(found.base + static_cast<double>(found.offset), position[0] * 100, 0.02) << k;
   }
 }
 

@@ -171,18 +171,6 @@ TEST(FreeAxis, OutsideItsSoftLimitsItIsOnlyDrivenInside) {
   EXPECT_FALSE(axis.drive(-10)) << "at the limit there is no way left";
 }
 
-TEST(FreeAxis, TheVelocityThatStopsInTimeIsFromTheWorstMoment) {
-  const FreeAxis axis = axis_at(0);
-  EXPECT_EQ(axis.velocity_that_stops_within(0), 0);
-  EXPECT_EQ(axis.velocity_that_stops_within(-1), 0);
-  // Acceleration never reaches its limit: 800 (t / (2 + sqrt 2))^2; then 800 ((t - 1/4) / 2)^2; then
-  // 200 (t - 1/2); then the limit.
-  EXPECT_NEAR(axis.velocity_that_stops_within(0.2), 800 * std::pow(0.2 / (2 + std::sqrt(2.0)), 2), 1e-12);
-  EXPECT_NEAR(axis.velocity_that_stops_within(0.7), 800 * 0.225 * 0.225, 1e-12);
-  EXPECT_NEAR(axis.velocity_that_stops_within(0.9), 80, 1e-12);
-  EXPECT_EQ(axis.velocity_that_stops_within(2), 100);
-}
-
 TEST(FreeAxis, HaltedItIsAtRestWhereItIs) {
   FreeAxis axis = axis_at(0);
   ASSERT_TRUE(axis.drive(100));

@@ -107,5 +107,12 @@ TEST(AxisLimits, IllegalValuesAreRefusedByName) {
   }
 }
 
+TEST(PositionRounding, IsAShareOfTheEndOfTheRangeThatIsFurtherFromZero) {
+  EXPECT_EQ(position_rounding(-50, 100), 1e-12 * 100);
+  EXPECT_EQ(position_rounding(-100, 50), 1e-12 * 100);
+  EXPECT_EQ(position_rounding(-1500, -20), 1e-12 * 1500);
+  EXPECT_EQ(position_rounding(20, 1500), 1e-12 * 1500);
+}
+
 }  // namespace limits_test
 }  // namespace inbetween

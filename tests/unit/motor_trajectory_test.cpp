@@ -65,6 +65,21 @@ TEST(MotorTrajectory, ItsJerkStepsWhereTheAxisPassesAMark) {
   }
 }
 
+TEST(MotorTrajectory, MarksBelowZeroArePassedToo) {
+  const std::array<CalibrationMark, 4> marks{{{-5, 0}, {-2, 50}, {-1, 110}, {-0.5, 210}}};
+  std::array<CalibrationPiece, 5> pieces;
+  const auto curve = Calibration::make(marks, pieces);
+  ASSERT_TRUE(curve);
+  const SolvedTrack track = track_of({-4, -0.6}, {0, 0, 10, 10, 0, 0});
+  const FittedTrajectory axis(track.track());
+  const FittedMotor motor(MotorSource{&*axis, 0, &*curve, axis.travel(0)});
+  for (const double mark : {-2.0, -1.0}) {
+    EXPECT_TRUE(std::ranges::any_of((*motor).breaks(), [&](const TrajectoryBreak& one) {
+      return std::fabs(axis->motion_of(0, one.time).position - mark) < 1e-12;
+    })) << mark;
+  }
+}
+
 TEST(MotorTrajectory, AnAxisThatTurnsBetweenTwoMarksPassesOneTwiceAndAFallingCurveIsAsGood) {
   const Pull pull({0.6, 1.2, 0.6});
   int passed = 0;
@@ -95,6 +110,29 @@ TEST(MotorTrajectory, AtRestItIsWhereTheCalibrationSaysToTheLastBit) {
   const Pull still({1.5, 1.5});
   EXPECT_EQ((*still.motor).pieces().size(), 1U) << "nothing moves";
   EXPECT_EQ((*still.motor).motion_of(0, {20, 0.5}).position, still.curve.motor_at(1.5));
+}
+
+TEST(MotorTrajectory, WhereTheSpeedOfTheAxisStepsThatOfTheMotorDoes) {
+  // In seconds of 2.4 and of 1.
+  const std::vector<double> keys{0.6, 3, 4};
+  const std::vector<std::int32_t> frames{0, 24, 48};
+  TrackSpec spec;
+  spec.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys};
+  spec.key_frames = frames;
+  spec.kinetic = Kinetic::linear;
+  spec.frames = 48;
+  spec.fps = {24, 1};
+  const SolvedTrack track(spec, Solver::closed_form);
+  const FittedTrajectory axis(track.track());
+  const Lens lens;
+  const FittedMotor motor(MotorSource{&*axis, 0, &lens.curve, axis.travel(0)});
+  const auto step = std::ranges::find((*motor).breaks(), FrameTime{24, 0}, &TrajectoryBreak::time);
+  ASSERT_NE(step, (*motor).breaks().end());
+  EXPECT_EQ(step->key, 1);
+  const std::span<const TrajectoryPiece> pieces = (*motor).pieces();
+  const double slope = lens.curve.slope_at(3).first;
+  EXPECT_NEAR(at_end_of_piece(*motor, pieces[step->piece - 1], 0, 1, true), slope * 2.4, 1e-9);
+  EXPECT_NEAR(at_end_of_piece(*motor, pieces[step->piece], 0, 1, false), slope, 1e-9);
 }
 
 TEST(MotorTrajectory, OnARollItJoinsTheMove) {

@@ -64,6 +64,22 @@ TEST(MoveBounds, APartIsBoundedByItselfAlone) {
   EXPECT_EQ(peaks.highest.frame, 36);
 }
 
+TEST(MoveBounds, APartHasNoStepsOfTheRest) {
+  // Two corners, on frames 24 and 48.
+  const std::vector<double> keys{0, 0, 100, 0, 100, 60, 40, 60};
+  const std::vector<std::int32_t> frames{0, 24, 48, 72};
+  TrackSpec spec;
+  spec.path = {.spline = Spline::linear, .axis_count = 2, .keys = keys};
+  spec.fps = {24, 1};
+  spec.frames = 72;
+  spec.key_frames = frames;
+  spec.kinetic = Kinetic::linear;
+  const SolvedTrack timed(spec, Solver::closed_form);
+  const BoundedMove bounded = bounds_of_track(timed.track(), WholeFrames{30, 60});
+  ASSERT_EQ(bounded.steps().size(), 2U);
+  for (const MoveStep& step : bounded.steps()) EXPECT_EQ(step.key, 2);
+}
+
 TEST(MoveBounds, TheCellsOfAPartKnowNothingOfTheRest) {
   const std::vector<double> keys{0, 100};
   const auto move = solved({.axis_count = 1, .keys = keys}, {10, 30}, 48);
@@ -78,6 +94,14 @@ TEST(MoveBounds, TheCellsOfAPartKnowNothingOfTheRest) {
     EXPECT_GE(suprema[cell][0], fastest * (1 - 1e-12)) << cell;
     EXPECT_LE(suprema[cell][0], 1.02 * fastest) << cell;
   }
+}
+
+TEST(MoveBounds, TheMiddleOfACellIsAFrameOfTheMove) {
+  MotionCells cells;
+  cells.line = {-12, 252, 11};
+  EXPECT_EQ(cells.middle_frame(0), 0);
+  EXPECT_EQ(cells.middle_frame(5), 120);
+  EXPECT_EQ(cells.middle_frame(10), 240);
 }
 
 TEST(MoveBounds, TheCellsOfAMoveAreAsCloseToTheTruthAsTheyPromise) {
@@ -307,6 +331,53 @@ TEST(MoveBounds, AMotorOfAnAxisThatTheMoveDoesNotHaveIsAnError) {
   const Status status = bound_move(move, {&solution.track(), 1}, {}, {&motor, 1}, storage.memory(), bounds);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::out_of_range);
+}
+
+TEST(MoveBounds, TheRollsOfMoreAxesThanATrajectoryMayHaveAreAllInTheCells) {
+  const std::vector<double> keys{0, 100};
+  const auto one = solved({.axis_count = 1, .keys = keys}, {10, 10}, 48);
+  const std::vector<Track> tracks(max_trajectory_axes + 2, one.track());
+  const std::vector<RollAxis> before(
+      tracks.size(), *RollAxis::make({RollEnd::before, 0, 12, {24, 1}},
+                                     {.position = 0, .velocity = 50, .acceleration = 0, .jerk = 0}));
+  const auto move = Move::make(tracks, {.before = before});
+  ASSERT_TRUE(move);
+  const BoundedMove bounded(*move, tracks, {.limits = {}, .motors = {}, .cells = 5, .room = {}});
+  const std::span<const MotionTriple> on_the_roll = bounded.cells().of_cell(0);
+  EXPECT_GT(on_the_roll.front()[1], 100);
+  EXPECT_EQ(on_the_roll.back(), on_the_roll.front());
+}
+
+TEST(MoveBounds, ARollOnWhichAMotorPassesMoreMarksThanThereIsRoomForIsAnError) {
+  const std::vector<double> keys{0, 100};
+  const auto solution = solved({.axis_count = 1, .keys = keys}, {10, 10}, 48);
+  const std::span<const Track> tracks(&solution.track(), 1);
+  // It comes from -50, over all marks but the last.
+  const auto roll = RollAxis::make({RollEnd::before, 0, 48, {24, 1}},
+                                   {.position = 0, .velocity = 50, .acceleration = 0, .jerk = 0});
+  ASSERT_TRUE(roll);
+  const auto move = Move::make(tracks, {.before = {&*roll, 1}});
+  ASSERT_TRUE(move);
+  std::array<CalibrationMark, 21> marks;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    marks[i].axis = marks[i].motor = 2.0 * static_cast<double>(i) - 42;
+  marks.back().axis = marks.back().motor = 200;
+  std::array<CalibrationPiece, 22> pieces;
+  const auto curve = Calibration::make(marks, pieces);
+  ASSERT_TRUE(curve);
+  const CalibratedMotor motor{.axis = 0, .calibration = &*curve};
+  MoveBoundsStorage<2, 20, 200, 20, 4, 64, 1> storage;
+  TrajectoryStorage<1, 800, 100> of_motor;
+  std::array<MotorJoint, 100> joints;
+  MoveBoundsMemory memory = storage.memory();
+  memory.motor = of_motor.memory();
+  MoveBounds bounds = storage.bounds(*move, 4, 1);
+  memory.motor_joints = joints;
+  EXPECT_TRUE(bound_move(*move, tracks, {}, {&motor, 1}, memory, bounds));
+  memory.motor_joints = std::span(joints).first(12);
+  const Status status = bound_move(*move, tracks, {}, {&motor, 1}, memory, bounds);
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().code, ErrorCode::capacity);
 }
 
 TEST(MoveBounds, AStretchThatHasNoRoomIsFittedInShorterOnesWithTheSameBounds) {

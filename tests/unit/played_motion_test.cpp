@@ -172,6 +172,54 @@ TEST(PlayedMotion, TrajectoriesOfOtherTracksAreRefused) {
   EXPECT_EQ(PlayedMotion::make(move, part).error().code, ErrorCode::out_of_range);
 }
 
+TEST(PlayedMotion, AMotorPlaysItsRollsAndRestsBeyondThem) {
+  const auto one = track_of({0, 30, 100}, {5, 10, 7});
+  const std::array tracks{one.track()};
+  const Fitted fitted({one.track()});
+  constexpr WholeFrames whole_move{0, 48};
+  const auto before = fitted.rolls(RollEnd::before, 10, whole_move);
+  const auto after = fitted.rolls(RollEnd::after, 20, whole_move);
+  const std::array<CalibrationMark, 3> marks{{{-100, -10}, {50, 20}, {200, 80}}};
+  std::array<CalibrationPiece, 4> pieces;
+  const auto curve = Calibration::make(marks, pieces);
+  ASSERT_TRUE(curve);
+  const FittedTrajectory axis(one.track());
+  const FittedMotor whole(MotorSource{&*axis, 0, &*curve, axis.travel(0)});
+  const FittedMotor pre_roll(before[0], *curve);
+  const FittedMotor post_roll(after[0], *curve);
+  const PlayedMotor motor{.axis = 0, .whole = &*whole, .pre_roll = &*pre_roll, .post_roll = &*post_roll};
+  const std::array trajectories{*axis};
+  const auto played = PlayedMotion::make(*Move::make(tracks, {before, after}), trajectories, {&motor, 1});
+  ASSERT_TRUE(played);
+  const auto same = [](const AxisMotion& found, const AxisMotion& expected) {
+    return found.position == expected.position && found.velocity == expected.velocity &&
+           found.acceleration == expected.acceleration && found.jerk == expected.jerk;
+  };
+  for (const FrameTime& time : {FrameTime{-9, 0.5}, {-1, 0.25}})
+    EXPECT_TRUE(same(played->motion_of(motor, time), (*pre_roll).motion_of(0, time))) << time.frame;
+  for (const FrameTime& time : {FrameTime{0, 0}, {20, 0.5}, {48, 0}})
+    EXPECT_TRUE(same(played->motion_of(motor, time), (*whole).motion_of(0, time))) << time.frame;
+  for (const FrameTime& time : {FrameTime{48, 0.5}, {60, 0}})
+    EXPECT_TRUE(same(played->motion_of(motor, time), (*post_roll).motion_of(0, time))) << time.frame;
+  for (const std::int32_t frame : {-12, 70}) {
+    const AxisMotion rest = played->motion_of(motor, {frame, 0});
+    EXPECT_EQ(rest.velocity, 0) << frame;
+    EXPECT_EQ(rest.position, curve->motor_at((frame < 0 ? before : after)[0].rest_position())) << frame;
+  }
+}
+
+TEST(PlayedMotion, ALoopMayStepInNoneOfItsTracks) {
+  const std::vector<double> speed{0, 0, 10, 0, 0};
+  const auto round = track_of({3, 30, 3}, speed);
+  const auto further = track_of({3, 30, 4}, speed);
+  const Fitted good({round.track(), round.track()});
+  EXPECT_TRUE(can_loop(good.played({}, {0, 48})));
+  const Fitted bad({round.track(), further.track()});
+  const Status refused = can_loop(bad.played({}, {0, 48}));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().axis, 1);
+}
+
 TEST(PlayedMotion, OneAxisIsThatOfAllToTheLastBit) {
   const std::vector<double> keys{0, 0, 50, 20, 60, 90, 0, 100};
   const std::vector<double> speed{0, 0, 10, 4, 10, 0, 0};

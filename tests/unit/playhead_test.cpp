@@ -314,6 +314,15 @@ TEST(Playhead, GoesToAFrameAndRestsOnItExactly) {
   EXPECT_FALSE(playhead.go_to(-1));
 }
 
+TEST(Playhead, APlaceThatIsNotWrittenAsAFrameAndLessThanOneMoreIsRefused) {
+  const Bench bench(bends());
+  Playhead playhead = bench.playhead();
+  for (const double fraction : {1.0, 1.5, -0.25}) {
+    EXPECT_FALSE(playhead.go_to({10, fraction})) << fraction;
+  }
+  EXPECT_TRUE(playhead.is_resting());
+}
+
 TEST(Playhead, AStepFromBetweenTwoFramesGoesToTheOneOnThatSide) {
   const Bench bench(bends());
   for (const auto& [direction, frame] :
@@ -341,6 +350,21 @@ TEST(Playhead, GoingToAFrameWhilePlayingStopsFirst) {
   EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::arrived);
   EXPECT_EQ(frames_of(playhead.time()), 10);
   EXPECT_EQ(record.complaint(), "");
+}
+
+TEST(Playhead, PlayingOnForgetsThePlaceThatWasAskedFor) {
+  const Bench bench(bends());
+  Playhead playhead = bench.playhead();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  for (int i = 0; i < 4000; ++i) playhead.tick();
+  ASSERT_TRUE(playhead.go_to(10));
+  playhead.tick();
+  ASSERT_TRUE(playhead.play(Direction::forward));
+  EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::finished);
+  EXPECT_EQ(frames_of(playhead.time()), 240);
+  ASSERT_TRUE(playhead.go_to(200));
+  EXPECT_EQ(tick_until_rest(playhead), PlayheadEvent::arrived);
+  EXPECT_EQ(frames_of(playhead.time()), 200);
 }
 
 TEST(Playhead, ATurnIsAStopAndAStartTheOtherWay) {
@@ -433,27 +457,6 @@ TEST(Playhead, TheOverrideSlowsWhatRunsAndIsCappedAtTheProvenRate) {
   EXPECT_EQ(record.complaint(), "");
 }
 
-TEST(Playhead, FollowsATargetThatIsMovedAndRestsOnIt) {
-  const Bench bench(bends());
-  Playhead playhead = bench.playhead();
-  RecordedPlay record(bench.plan, *bench.stops.bounds(), tick_s);
-  ASSERT_TRUE(playhead.scrub_to({120, 0.5}));
-  for (int i = 0; i < 20'000 && !playhead.is_resting(); ++i) {
-    if (i == 2000) {
-      ASSERT_TRUE(playhead.scrub_to({20, 0.25}));
-    }
-    if (i == 3000) {
-      ASSERT_TRUE(playhead.scrub_to({90, 0.125}));
-    }
-    playhead.tick();
-    record.take(playhead);
-  }
-  EXPECT_TRUE(playhead.is_resting());
-  EXPECT_EQ(frames_of(playhead.time()), 90.125);
-  EXPECT_EQ(record.complaint(), "");
-  EXPECT_FALSE(playhead.scrub_to({241, 0}));
-}
-
 // --- what is no stop keeps the motion limits
 
 /// A move on a rig with so much room above its peaks, staged as for a run, and the recorder that holds it to
@@ -535,19 +538,6 @@ TEST(Playhead, AnOverrideKeepsTheMotionLimits) {
     EXPECT_GT(bench.record.acceleration_share(), 0.7);
     EXPECT_EQ(frames_of(playhead.time()), 240);
   }
-}
-
-TEST(Playhead, ThatFollowsATargetKeepsTheMotionLimits) {
-  GentleBench bench(1.1);
-  Playhead& playhead = bench.staged.playhead();
-  bench.stop();
-  for (const std::int32_t target : {120, 20, 235, 60}) {
-    ASSERT_TRUE(playhead.scrub_to({target, 0.5}));
-    bench.play(3000);
-  }
-  bench.play(1'000'000);
-  EXPECT_EQ(bench.record.complaint(), "");
-  EXPECT_EQ(frames_of(playhead.time()), 60.5);
 }
 
 TEST(Playhead, AStopThatIsTakenBackIsReleasedAndGoesOnWithinTheMotionLimits) {

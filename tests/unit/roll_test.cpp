@@ -332,6 +332,33 @@ TEST(RollFrames, WhatIsInTheWayIsToldForTheShortestRollThatIsGentleEnough) {
   EXPECT_EQ(obstacle->frames, 48);
 }
 
+TEST(RollFrames, OfTwoAxesThatLeaveTheirRangesTheFirstIsTold) {
+  // Both back up as above; the second has even less room.
+  const AxisLimits limits = limits_of({.min = 0, .max = 1e6, .max_velocity = 200, .max_acceleration = 2});
+  const Machine machine{{{.position = 0.5011, .velocity = 1, .acceleration = 1},
+                         {.position = 0.501, .velocity = 1, .acceleration = 1},
+                         {.position = 0, .velocity = 4}},
+                        {limits, limits, wide(5, 3.01)}};
+  const auto obstacle = *roll_obstacle(machine.before());
+  ASSERT_TRUE(obstacle.has_value());
+  EXPECT_EQ(obstacle->axis, 0);
+  EXPECT_EQ(obstacle->quantity, RollQuantity::position);
+  EXPECT_EQ(obstacle->frames, 48);
+}
+
+TEST(RollFrames, AnAxisThatNoRollHelpsIsToldBeforeOneThatALongerRollHelps) {
+  // Axis 0 backs up by 0.67 for 2 s, and by less than its room in a longer roll. Axis 1 needs 1.99 s, and a
+  // way of 4 for them.
+  const Machine machine{{{.position = 0.6, .velocity = 1, .acceleration = 1}, {.position = 3, .velocity = 4}},
+                        {limits_of({.min = 0, .max = 10, .max_velocity = 2, .max_acceleration = 2}),
+                         limits_of({.min = 0, .max = 10, .max_velocity = 5, .max_acceleration = 3.01})}};
+  const auto obstacle = *roll_obstacle(machine.before());
+  ASSERT_TRUE(obstacle.has_value());
+  EXPECT_EQ(obstacle->axis, 1);
+  EXPECT_EQ(obstacle->quantity, RollQuantity::position);
+  EXPECT_EQ(obstacle->frames, 48);
+}
+
 TEST(RollFrames, AnOvershootOfTheSpeedLimitIsRefused) {
   const Machine machine{{{.position = 0, .velocity = 1, .acceleration = -6}}, {wide(1.01, 7)}};
   const auto frames = roll_frames(machine.before());

@@ -77,7 +77,7 @@ TEST(StopBounds, AStraightLineAtConstantSpeedIsStoppedWithAllItsAxisCanBear) {
   EXPECT_NEAR(stops.bounds->rate_change({120, 0}), 0.5, 0.01);
   EXPECT_LE(stops.bounds->rate_change({120, 0}), 0.5);
   EXPECT_NEAR(stops.bounds->longest_in_time().length.seconds, 2, 0.05);
-  EXPECT_NEAR(stops.bounds->longest_in_frames().length.frames, 24, 0.6);
+  EXPECT_NEAR(stops.bounds->longest_in_time().length.frames, 24, 0.6);
   EXPECT_NEAR(stops.peaks[0].acceleration.value, 50, 1e-3);
   EXPECT_NEAR(stops.peaks[0].velocity.value, 100, 2);
 }
@@ -105,6 +105,35 @@ TEST(StopBounds, TheJerkThatIsToldIsAllThatTheLimitAllows) {
   EXPECT_NEAR(stops.peaks[0].jerk.value, 100, 1);
 }
 
+TEST(StopBounds, AStopIsAsLongAsFromTheHighestRateChangeInItsCell) {
+  const auto solution = solved({.axis_count = 1, .keys = line}, calm, 240);
+  const Stops stops(move_of(solution), {stop_limits(500.0, std::optional(500.0))});
+  ASSERT_TRUE(stops.bounds.has_value());
+  // Nothing lies behind the last cell that could make a stop longer. The slower the axis is, the more may
+  // change.
+  const StopCell& begin = stops.stop_cells[cells - 1];
+  const StopCell& end = stops.stop_cells[cells];
+  ASSERT_LT(begin.rate_change, 0.99 * end.rate_change);
+  const double change = begin.rate_change;
+  const double jerk = std::min(begin.release_jerk, end.release_jerk);
+  const double rise = std::min(end.rate_change / jerk, std::sqrt(2 / jerk));
+  const double fall = change * change <= jerk ? 1 / change + change / jerk : 2 / std::sqrt(jerk);
+  EXPECT_NEAR(stops.bounds->stop_from({239, 0.5}, true).seconds, rise + fall, 1e-9);
+}
+
+TEST(StopBounds, AMoveHasACellAFrameUnlessThatIsLessThanTwoTicksOrFewerThan64) {
+  const auto of_frames = [](std::int32_t frames, std::int32_t rate_hz, double rate) {
+    const auto solution = solved({.axis_count = 1, .keys = line}, calm, frames);
+    return stop_cells(move_of(solution).move, rate_hz, rate);
+  };
+  EXPECT_EQ(of_frames(240, 1000, 1), 240U);
+  EXPECT_EQ(of_frames(24, 1000, 1), 64U);
+  EXPECT_EQ(of_frames(24, 100, 1), 50U) << "of two ticks";
+  EXPECT_EQ(of_frames(24, 100, 2.5), 20U) << "at the highest rate";
+  EXPECT_EQ(of_frames(24, 100, 0.5), 50U);
+  EXPECT_EQ(of_frames(5000, 1000, 1), static_cast<std::size_t>(max_stop_cells));
+}
+
 TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
   const auto solution = solved({.axis_count = 2, .keys = bend}, calm, 240);
   const std::vector<AxisLimits> limits(2, stop_limits(2000.0, std::optional(20'000.0)));
@@ -114,8 +143,7 @@ TEST(StopBounds, AHigherRateLeavesLessAndStopsLater) {
   ASSERT_TRUE(twice.bounds.has_value());
   EXPECT_EQ(twice.bounds->rate(), 2);
   EXPECT_GT(twice.bounds->longest_in_time().length.seconds, once.bounds->longest_in_time().length.seconds);
-  EXPECT_GT(twice.bounds->longest_in_frames().length.frames,
-            2 * once.bounds->longest_in_frames().length.frames);
+  EXPECT_GT(twice.bounds->longest_in_time().length.frames, 2 * once.bounds->longest_in_time().length.frames);
 }
 
 TEST(StopBounds, AMotionThatTakesAllOfAStopLimitIsRefusedWithItsAxisAndPlace) {

@@ -180,7 +180,8 @@ TEST(Trajectory, APathWithoutLengthIsARest) {
   std::array<double, axes> at;
   fitted->positions({4, 0.5}, at);
   EXPECT_EQ(at, (std::array<double, axes>{7, 8}));
-  EXPECT_EQ(fitted->pieces().size(), 1U);
+  ASSERT_EQ(fitted->pieces().size(), 1U);
+  EXPECT_EQ(fitted->pieces()[0].begin_row, fitted->pieces()[0].end_row);
 }
 
 TEST(Trajectory, PiecesThatCannotBePlayedAreRefused) {
@@ -214,6 +215,34 @@ TEST(Trajectory, PiecesThatCannotBePlayedAreRefused) {
           .has_value());
 }
 
+TEST(Trajectory, TooLittleMemoryToFitWithIsAnError) {
+  const Plan plan(move_of(timing_kinds().front()), std::nullopt, {});
+  const FittedTrajectory fitted(plan.tracks()[0].track());
+  TrajectoryRoom room;
+  room.reserve(fitted.sampler().joints().size(), axes, 4096);
+  const TrajectoryMemory enough = room.memory();
+  const auto fits = [&](const TrajectoryMemory& memory) {
+    const Result<Trajectory> made = fit_trajectory(fitted.sampler(), {}, memory);
+    return made || made.error().code != ErrorCode::capacity;
+  };
+  EXPECT_TRUE(fits(enough));
+  TrajectoryMemory small = enough;
+  small.samples = small.samples.first(3 * axes - 1);
+  EXPECT_FALSE(fits(small)) << "samples";
+  small = enough;
+  small.numbers = small.numbers.first(fit_numbers * axes - 1);
+  EXPECT_FALSE(fits(small)) << "numbers";
+  small = enough;
+  small.buckets = {};
+  EXPECT_FALSE(fits(small)) << "buckets";
+  small = enough;
+  small.pieces = small.pieces.first(fitted->pieces().size() - 1);
+  EXPECT_FALSE(fits(small)) << "pieces";
+  small = enough;
+  small.values = small.values.first(fitted->values().size() - 1);
+  EXPECT_FALSE(fits(small)) << "values";
+}
+
 // --- what is known of pieces by themselves
 
 TEST(Trajectory, AStepIsWhatItLeavesWithLessWhatItArrivedWith) {
@@ -240,6 +269,82 @@ TEST(Trajectory, WhatHasNoBoundIsInfinityInThatDerivativeAndThoseAbove) {
     bound_trajectory(move.made(), {1, 0.5}, {2, 0}, peaks);
     EXPECT_EQ(peaks[0].jerk.value, 0) << "not on this stretch";
   }
+}
+
+TEST(Trajectory, ItsMotionEndsOnTheLastRowToTheLastBit) {
+  // Of 1e-17 nothing is left in 1 + (1e-17 - 1).
+  EvenPieces move({0, 1, 2}, {3, 1, 1e-17});
+  const Trajectory whole = move.made();
+  std::array<AxisMotion, 1> motion;
+  whole.motion({2, 0}, motion);
+  EXPECT_EQ(motion[0].position, 1e-17);
+  EXPECT_EQ(whole.motion_of(0, {2, 0}).position, 1e-17);
+  EXPECT_EQ(motion[0].velocity, -24);
+}
+
+TEST(Trajectory, AMomentJustBeforeAPieceIsOnTheOneBeforeIt) {
+  // The three parts of the time line by which pieces are looked up begin at 10/3 and 20/3.
+  for (const double border : {10.0 / 3, 20.0 / 3}) {
+    for (int k = -8; k <= 8; ++k) {
+      const double begin = border * (1 + k * 1e-13);
+      EvenPieces move({0, begin, 10}, {0, 1, 2});
+      const Trajectory trajectory = move.made();
+      for (int i = -8; i <= 8; ++i) {
+        const FrameTime time = moved_by(FrameTime{}, border * (1 + i * 1e-13));
+        EXPECT_EQ(trajectory.piece_at(time), trajectory.pieces()[1].begin <= time ? 1U : 0U) << k << ' ' << i;
+      }
+    }
+  }
+}
+
+TEST(Trajectory, ASpeedBetweenTheEndsOfACellIsFoundWhereTheEndsTellTheRest) {
+  // From rest to rest in a second, as a cubic would: the speed is largest in the middle, and acceleration and
+  // jerk are largest at the ends.
+  const std::array<double, 8> values{0, 0, 6, -12, 1, 0, -6, -12};
+  const std::array<TrajectoryPiece, 1> pieces{
+      {{.begin = {}, .inverse_frames = 1.0 / 24, .seconds = 1, .begin_row = 0, .end_row = 4, .degree = 7}}};
+  std::array<std::uint32_t, 1> buckets{};
+  const auto trajectory = Trajectory::make(
+      {.axis_count = 1, .fps = {24, 1}, .end = {24, 0}, .pieces = pieces, .values = values}, buckets);
+  ASSERT_TRUE(trajectory);
+  const MotionTriple room{};
+  std::array<MotionTriple, 1> suprema{};
+  bound_cells(*trajectory, {0, 0}, {24, 0}, {0, 24, 1}, {&room, 1}, suprema, 1);
+  EXPECT_GE(suprema[0][0], 1.5);
+  EXPECT_LE(suprema[0][0], 1.5 * 1.02);
+  EXPECT_NEAR(suprema[0][1], 6, 1e-9);
+  EXPECT_NEAR(suprema[0][2], 12, 1e-9);
+}
+
+TEST(Trajectory, OfEqualPeaksTheOneThatWasThereStays) {
+  const auto peaks_of = [](double value, double frame) {
+    AxisPeaks peaks;
+    peaks.lowest = {-value, frame};
+    peaks.highest = peaks.velocity = peaks.acceleration = peaks.jerk = {value, frame};
+    return peaks;
+  };
+  AxisPeaks peaks = peaks_of(5, 3);
+  for (const auto& [value, frame] : {std::pair{4, 3}, {5, 3}, {6, 13}}) {
+    peaks.raise(peaks_of(value, 13));
+    EXPECT_EQ(peaks.lowest.frame, frame) << value;
+    EXPECT_EQ(peaks.highest.frame, frame) << value;
+    EXPECT_EQ(peaks.velocity.frame, frame) << value;
+    EXPECT_EQ(peaks.acceleration.frame, frame) << value;
+    EXPECT_EQ(peaks.jerk.frame, frame) << value;
+  }
+}
+
+TEST(Trajectory, WhatHasNoBoundHasNoneInItsOwnCellAlone) {
+  EvenPieces move({0, 1, 2}, {0, 1, 2});
+  const std::array<UnboundedSide, 1> sides{{{.time = {0, 0.5}, .order = 2}}};
+  move.contents.unbounded = sides;
+  const MotionTriple room{};
+  std::array<MotionTriple, 2> suprema{};
+  bound_cells(move.made(), {0, 0}, {2, 0}, {0, 2, 2}, {&room, 1}, suprema, 1);
+  EXPECT_EQ(suprema[0][0], 24);
+  EXPECT_TRUE(std::isinf(suprema[0][1]));
+  EXPECT_TRUE(std::isinf(suprema[0][2]));
+  EXPECT_EQ(suprema[1], (MotionTriple{24, 0, 0}));
 }
 
 TEST(Trajectory, WhereItKeepsToItsJointsNoMomentOfAPieceIsBeyondItsEnds) {

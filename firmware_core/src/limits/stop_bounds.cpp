@@ -310,15 +310,11 @@ void StopBounds::find_longest() {
   }
   for (std::size_t cell = 0; cell < cell_count(); ++cell) {
     const ConstantStop most(rate_, rising_in(cell), least);
-    if (most.seconds <= longest_in_time_.length.seconds &&
-        frames_in(most.distance) <= longest_in_frames_.length.frames) {
-      continue;
-    }
+    if (most.seconds <= longest_in_time_.length.seconds) continue;
     const double frame = static_cast<double>(first_frame_) + (static_cast<double>(cell) + 0.5) * cell_frames_;
     for (const bool forward : {true, false}) {
       const StopLength length = stop_from_cell(cell, forward);
       if (length.seconds > longest_in_time_.length.seconds) longest_in_time_ = {length, frame, forward};
-      if (length.frames > longest_in_frames_.length.frames) longest_in_frames_ = {length, frame, forward};
     }
   }
 }

@@ -222,7 +222,7 @@ class InverseBuilder {
   template <class Number>
   [[nodiscard]] Judgement<Number> judge(const Number& length, const std::array<Number, 2>& residual) const {
     // A relative error of the speed over a piece moves its inside by less than that share of its length.
-    const Number share = least(Number(1), double(options_.delta * scale_ / negligible_) * length);
+    const Number share = least(Number(1), (options_.delta * scale_ / negligible_) * length);
     const Number estimate = per_estimate_ * (residual_bound(residual) - residual_rounding);
     return {share, estimate, share * estimate};
   }

@@ -22,16 +22,6 @@ struct GaussLegendre {
       0.064742483084434846635, 0.13985269574463833395, 0.19091502525255947248, 0.20897959183673469388,
       0.19091502525255947248,  0.13985269574463833395, 0.064742483084434846635};
 };
-/// The mean of a function from `from` to `from` + `extent`, by this rule.
-template <class Function>
-double mean_of(const Function& function, double from, double extent) {
-  using Rule = GaussLegendre;
-  double sum = 0;
-  for (std::size_t i = 0; i < Rule::node.size(); ++i) {
-    sum += Rule::weight[i] * function(from + extent * Rule::node[i]);
-  }
-  return sum;
-}
 
 /// The state of the inverse at one end of a piece, seen outward from the anchor: tau as a function of
 /// y, where y is the distance l from the anchor, or sqrt(l) where the path stands still at the anchor.

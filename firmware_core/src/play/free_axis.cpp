@@ -216,21 +216,4 @@ double FreeAxis::inside(double position) const {
   return std::clamp(position, std::min(limits_.min, from_), std::max(limits_.max, from_));
 }
 
-/// The stop is longest where the acceleration is largest and the speed is v once the acceleration is
-/// released: it takes a / jerk seconds, and then the time from v to rest. Between -v and v the acceleration
-/// reaches sqrt(2 jerk v), if the limit allows it; on the way to rest it reaches sqrt(jerk v).
-double FreeAxis::velocity_that_stops_within(double seconds) const {
-  if (!(seconds > 0)) return 0;
-  const double jerk = limits_.jerk;
-  const double acceleration = limits_.acceleration;
-  const double jerk_s = acceleration / jerk;
-  const double share = seconds / (2 + std::sqrt(2.0));
-  double velocity = jerk * share * share;
-  if (velocity > acceleration * jerk_s / 2) {
-    const double half = (seconds - jerk_s) / 2;
-    velocity = half <= jerk_s ? jerk * half * half : acceleration * (seconds - 2 * jerk_s);
-  }
-  return std::min(velocity, limits_.velocity);
-}
-
 }  // namespace inbetween

@@ -15,8 +15,6 @@ inline constexpr double tick_rounding = 1e-9;
 /// The bounds of an exposure may prove to be lower this often, because its run-up reaches further. Two or
 /// three times are usual: each time it reaches further by less.
 inline constexpr int max_narrowings = 64;
-/// Scrubbing comes to rest this near its target, and travels the rest of the way.
-inline constexpr double scrub_rest_frames = 0.05;
 
 constexpr Direction opposite(Direction direction) {
   return direction == Direction::forward ? Direction::backward : Direction::forward;
@@ -110,14 +108,6 @@ Status Playhead::step(Direction direction) {
   return go_to(direction == Direction::forward ? from.frame + 1 : from.frame - (is_between ? 0 : 1));
 }
 
-Status Playhead::scrub_to(const FrameTime& target) {
-  if (!is_on_time_line(target)) return not_on_time_line();
-  scrub_target_ = target;
-  has_next_ = false;
-  state_ = PlayheadState::scrubbing;
-  return Done{};
-}
-
 Status Playhead::set_override(double rate) {
   if (!(rate > 0 && rate <= bounds_->rate())) {
     return Error{.code = ErrorCode::out_of_range,
@@ -148,15 +138,9 @@ PlayheadEvent Playhead::tick() {
     case PlayheadState::slowing:
       return tick_ramp(0);
     case PlayheadState::travelling:
-      return tick_travel();
-    case PlayheadState::scrubbing:
       break;
   }
-  if (rate_ == 0 && change_ == 0 && scrub_rate() == 0) {
-    begin_travel(scrub_target_);
-    return tick_travel();
-  }
-  return tick_ramp(scrub_rate());
+  return tick_travel();
 }
 
 PlayheadEvent Playhead::tick_ramp(double target) {
@@ -201,10 +185,6 @@ PlayheadEvent Playhead::pass_end(Direction direction) {
     return PlayheadEvent::repeated;
   }
   time_ = end;
-  if (state_ == PlayheadState::scrubbing) {
-    rate_ = change_ = 0;
-    return PlayheadEvent::none;
-  }
   if (state_ == PlayheadState::slowing) return settle();
   rest();
   return PlayheadEvent::finished;
@@ -461,19 +441,6 @@ Status Playhead::expose(const Exposure& exposure) {
   travel_ = *journey;
   state_ = PlayheadState::travelling;
   return Done{};
-}
-
-// --- after a target
-
-/// The rate falls as the target comes near, so that the playhead can follow: from the highest rate of a
-/// travel it takes as long as a stop.
-double Playhead::scrub_rate() const {
-  const double way = seconds_between(time_, scrub_target_);
-  if (std::fabs(way) * fps_ <= scrub_rest_frames) return 0;
-  const StopBound bounds = (rungs_.empty() ? *bounds_ : rungs_.front()).at(time_);
-  const double rate = std::min(override_, top_travel_rate());
-  const double lag_s = 2 * (rate / bounds.rate_change + bounds.rate_change / bounds.release_jerk);
-  return std::clamp(way / lag_s, -rate, rate);
 }
 
 bool Playhead::is_on_time_line(const FrameTime& time) const {

@@ -3,7 +3,9 @@
 #include <cmath>
 
 namespace inbetween {
+namespace {
 
+/// Finite and within 0..100, or the error that names the control value.
 Status check_control_value(double value, std::int32_t index) {
   if (!std::isfinite(value)) {
     return Error{.code = ErrorCode::not_finite,
@@ -20,6 +22,8 @@ Status check_control_value(double value, std::int32_t index) {
   }
   return Done{};
 }
+
+}  // namespace
 
 Result<SpeedProfile> SpeedProfile::make(std::span<const double> control_values,
                                         const SpeedProfileMemory& memory, CurveEnds ends) {

@@ -175,9 +175,8 @@ class StopBounds {
   /// at every rate the real stop brakes at least as hard as one under the constants r1 and q, so that both
   /// seconds and distance, the integrals of 1 / |a| and r / |a| over r, are less.
   [[nodiscard]] StopLength stop_from(const FrameTime& time, bool forward) const;
-  /// make finds the longest stops among all places. Bounds that may wait have none.
+  /// make finds the longest stop among all places. Bounds that may wait have none.
   [[nodiscard]] const LongestStop& longest_in_time() const { return longest_in_time_; }
-  [[nodiscard]] const LongestStop& longest_in_frames() const { return longest_in_frames_; }
 
  private:
   StopBounds(const StopRequest& request, std::span<StopCell> cells);
@@ -205,7 +204,6 @@ class StopBounds {
   std::int32_t first_frame_ = 0;
   std::int32_t frames_ = 1;  ///< of the time line
   LongestStop longest_in_time_;
-  LongestStop longest_in_frames_;
 };
 
 }  // namespace inbetween

@@ -74,10 +74,6 @@ class FreeAxis {
   /// The way (signed) and the seconds that a stop from here takes.
   [[nodiscard]] double stop_distance() const { return stop_ramp().way(); }
   [[nodiscard]] double stop_seconds() const { return stop_ramp().seconds(); }
-  /// The highest velocity v within the limits from which a stop takes at most `seconds`. This holds at every
-  /// moment while drive commands of at most v in either direction follow each other, also while the speed
-  /// still rises. 0 if `seconds` is not above 0.
-  [[nodiscard]] double velocity_that_stops_within(double seconds) const;
   [[nodiscard]] const FreeAxisLimits& limits() const { return limits_; }
 
  private:

@@ -26,7 +26,6 @@ enum class PlayheadState : std::uint8_t {
   playing,     ///< towards an end, at its rate or on the way to it
   slowing,     ///< to rest, wherever that will be
   travelling,  ///< from rest to rest, to a frame
-  scrubbing,   ///< after a target that somebody moves
 };
 
 /// The event of a tick.
@@ -59,9 +58,8 @@ struct ExposureWay {
 /// the rate, so that the rig never leaves the path. The rate changes within the bounds of StopBounds, so that
 /// no axis leaves its stop limits, every change can be completed, and no stop is longer than StopBounds
 /// states. What is no stop keeps the bounds of the motion limits, if there are any: a travel to a frame, an
-/// exposure, and every change of the rate to that of a play, an override or a scrub target. A turn begins
-/// with a stop. A rate change that a stop began, and which is more than those bounds permit, is released
-/// first.
+/// exposure, and every change of the rate to that of a play or an override. A turn begins with a stop. A rate
+/// change that a stop began, and which is more than those bounds permit, is released first.
 ///
 /// The bounds of the motion limits are a ladder for rates that rise from rung to rung. The higher the rate,
 /// the less the motion leaves of its limits, and at the highest often nothing: the rate then rises to the
@@ -113,9 +111,6 @@ class Playhead {
   /// the first tick at or after the end of the exposure (`closed`). Errors: those of go_to_run_up;
   /// out_of_range (not at its start).
   Status expose(const Exposure& exposure);
-  /// Follows a target, which may be moved at any time, as fast as the override rate allows; rests there.
-  /// Errors: out_of_range (not on the time line).
-  Status scrub_to(const FrameTime& target);
   /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
   /// out_of_range (not in 0 < rate <= StopBounds::rate()).
   Status set_override(double rate);
@@ -162,7 +157,6 @@ class Playhead {
   [[nodiscard]] Result<Journey> journey_of(const Exposure& exposure) const;
   PlayheadEvent tick_travel();
   [[nodiscard]] bool travel_ends_like_a_stop() const;
-  [[nodiscard]] double scrub_rate() const;
   PlayheadEvent tick_ramp(double target);
   void change_to(double target);
   [[nodiscard]] const StopBounds* rung_from(double target) const;
@@ -200,7 +194,6 @@ class Playhead {
   std::int32_t cruise_frames_ = 0;
   std::int64_t cruise_phase_ = 0;  ///< ... and how far it has come since, in unit_ths of a frame
   Journey travel_;
-  FrameTime scrub_target_;
 };
 
 }  // namespace inbetween

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <span>
 
-#include "inbetween/base/fixed_vector.hpp"
 #include "inbetween/base/precision.hpp"
 #include "inbetween/base/result.hpp"
 
@@ -177,48 +176,5 @@ struct SpeedProfileStorage {
 
   [[nodiscard]] SpeedProfileMemory memory() { return {spans, integrals}; }
 };
-
-/// The drawn list of control values, as the animator edits it; SpeedProfile::make turns it into a curve.
-template <std::size_t Capacity>
-using ControlValues = FixedVector<double, Capacity>;
-
-/// Finite and within 0..100, or the error that names the control value.
-Status check_control_value(double value, std::int32_t index);
-
-/// The edits of a drawn curve. `index` as in FixedVector; a value that would leave 0..100 is
-/// refused, never clamped, and the list stays as it was.
-template <std::size_t Capacity>
-Status insert_control_value(ControlValues<Capacity>& values, std::size_t index, double value) {
-  if (const Status valid = check_control_value(value, static_cast<std::int32_t>(index)); !valid) return valid;
-  return values.insert(index, value);
-}
-
-/// The last control value cannot be erased: a curve has at least one.
-template <std::size_t Capacity>
-Status erase_control_value(ControlValues<Capacity>& values, std::size_t index) {
-  if (values.size() == 1) {
-    return Error{.code = ErrorCode::wrong_count,
-                 .what = "the last control value cannot be erased",
-                 .remedy = "insert another one first",
-                 .control_value = 0};
-  }
-  return values.erase(index);
-}
-
-/// Adds `by` (negative lowers) to one control value.
-template <std::size_t Capacity>
-Status raise_control_value(ControlValues<Capacity>& values, std::size_t index, double by) {
-  if (index >= values.size()) {
-    return Error{.code = ErrorCode::out_of_range,
-                 .what = "there is no such control value",
-                 .remedy = "name one from 0 to the number of values less one",
-                 .control_value = static_cast<std::int32_t>(index)};
-  }
-  const double raised = values[index] + by;
-  if (const Status valid = check_control_value(raised, static_cast<std::int32_t>(index)); !valid)
-    return valid;
-  values[index] = raised;
-  return Done{};
-}
 
 }  // namespace inbetween
