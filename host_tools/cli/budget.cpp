@@ -13,8 +13,8 @@
 #include "inbetween/limits/roll.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
+#include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/key_timing.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
 #include "inbetween/trajectory/count_trajectory.hpp"
 #include "inbetween/trajectory/fit.hpp"
@@ -68,7 +68,6 @@ std::array<std::int64_t, budget_object_count> bytes(const BudgetCapacity& capaci
       (budget_stop_cells + 1) * size(sizeof(StopCell)),
       n.axes * (budget_stop_cells + 1) * size(sizeof(MotionTriple)),
       size(sizeof(Playhead)),
-      (n.segments + 1) * size(sizeof(OdeSegment)),
       n.axes * size(sizeof(can::Cia402Drive)),
       size(sizeof(can::Cia402Bus)) +
           n.axes * size(sizeof(can::Cia402Axis) + sizeof(can::PortDrive) + sizeof(std::int32_t)) +
@@ -93,7 +92,6 @@ constexpr std::array<std::string_view, budget_object_count> object_names{
     "stop bounds, 256 cells",
     "  while they are made, more",
     "playhead",
-    "Runge-Kutta solver, more",
     "CiA 402 drives, one for each axis",
     "  their CAN bus, with its frames"};
 

@@ -40,7 +40,7 @@ struct BudgetObject {
   std::int64_t bytes = 0;
 };
 
-inline constexpr std::size_t budget_object_count = 17;
+inline constexpr std::size_t budget_object_count = 16;
 
 /// The number of cells into which the time line is cut for the bounds of stops.
 inline constexpr std::int64_t budget_stop_cells = 256;

@@ -80,11 +80,11 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
       continue;
     }
     if (solved.track().portions().empty()) print_constant(plan, t, made.constant, out);
-    if (made.solver == Solver::closed_form) {
-      fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
-    } else {
+    if (const std::optional<OdeTable>& by = solved.integrated()) {
       fmt::print(out, "Runge-Kutta, {} integrations of {} steps a frame, speed within {:.2g} (frame {})\n",
-                 made.integrations, made.substeps, made.speed_error, made.speed_error_frame);
+                 by->integrations, by->substeps, made.speed_error, by->speed_error_frame);
+    } else {
+      fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
     }
     print_followed(plan, t, "    ", out);
     print_key_timing(solved, out);

@@ -133,10 +133,9 @@ void write_speed(const MoveTrack& track, const SolvedTrack& solved, JsonWriter& 
 
 void write_track(const MoveTrack& track, const SolvedTrack& solved, const WholeFrames& part,
                  JsonWriter& json) {
-  const Provenance& provenance = solved.table().provenance();
   json.member("axes", track.axes);
-  json.member("solver", provenance.solver == Solver::closed_form ? "closed-form" : "runge-kutta");
-  json.member("speed_error", provenance.speed_error);
+  json.member("solver", solved.integrated() ? "runge-kutta" : "closed-form");
+  json.member("speed_error", solved.table().provenance().speed_error);
   json.member("hash", fmt::format("{:016x}", hash_of(solved.table().points())));
   json.member("length", solved.track().arc_length().total());
   write_speed(track, solved, json);

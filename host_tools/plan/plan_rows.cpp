@@ -32,8 +32,7 @@ double AxisColumn::position(const FrameTime& when) const {
   const auto rolls = move.rolls_at(when);
   if (!rolls.empty()) return rolls[move_axis_].motion(when).position;
   const FrameTime within = move.within_part(when);
-  const bool is_in_table = solved_.table().provenance().solver == Solver::runge_kutta &&
-                           rows_ == PlanRows::frame && within.fraction == 0;
+  const bool is_in_table = solved_.integrated() && rows_ == PlanRows::frame && within.fraction == 0;
   if (!is_in_table) return trajectory_.motion_of(axis_, within).position;
   return solved_.track().path().position(solved_.table().point(within.frame),
                                          static_cast<std::int32_t>(axis_));

@@ -46,8 +46,8 @@ SolvedTrack::SolvedTrack(const TrackSpec& spec, Solver solver, const OdeOptions&
   if (solver == Solver::closed_form) {
     table_ = value_or_throw(closed_form_table(*track_, points_));
   } else {
-    std::vector<OdeSegment> segments(static_cast<std::size_t>(track_->path().segment_count()) + 1);
-    table_ = value_or_throw(runge_kutta_table(*track_, ode, segments, points_));
+    integrated_ = value_or_throw(runge_kutta_table(*track_, ode, points_));
+    table_ = integrated_->table;
   }
 }
 

@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <vector>
 
+#include "host_tools/plan/ode_frame_table.hpp"
 #include "host_tools/plan/waypoints.hpp"
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/key_timing.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
 #include "inbetween/timing/track.hpp"
 
@@ -113,6 +113,8 @@ class SolvedTrack {
 
   [[nodiscard]] const Track& track() const { return *track_; }
   [[nodiscard]] const FrameTable& table() const { return *table_; }
+  /// How table() came about by integration; nothing where it is in closed form.
+  [[nodiscard]] const std::optional<OdeTable>& integrated() const { return integrated_; }
   /// The f + 1 control values that are played: the drawn ones, or what the locks made of them.
   [[nodiscard]] const std::vector<double>& control_values() const { return control_values_; }
   /// The changes of the drawn curve by its locks; nothing without locks other than breaks.
@@ -140,6 +142,7 @@ class SolvedTrack {
   std::vector<PathPoint> points_;
   std::optional<Track> track_;
   std::optional<FrameTable> table_;
+  std::optional<OdeTable> integrated_;
 };
 
 }  // namespace inbetween

@@ -59,7 +59,7 @@ refuses 'must name its file' firmware_core/src/path/path.cpp '#include PATH_HEAD
 
 # Rooms.
 refuses 'firmware_core/path may not look into firmware_core/timing' "$core" '#include "inbetween/timing/track.hpp"'
-refuses 'firmware_core/base may not look into firmware_core/path' firmware_core/src/base/zeroin.hpp \
+refuses 'firmware_core/base may not look into firmware_core/path' firmware_core/src/base/cube_root.hpp \
   '#include "path/private.hpp"'
 refuses 'firmware_core/path may not look into inbetween/path.hpp' "$core" '#include "inbetween/path.hpp"'
 refuses 'firmware_core/attic is not in its CMakeLists.txt' firmware_core/include/inbetween/attic/old.hpp \

@@ -10,7 +10,6 @@
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_table.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
 #include "inbetween/timing/track.hpp"
 #include "tests/benchmarks/subject.hpp"
@@ -49,9 +48,9 @@ BENCHMARK(closed_form_positions)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicro
 void runge_kutta(benchmark::State& state) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
   for (auto _ : state) benchmark::DoNotOptimize(subject.runge_kutta());
-  const FrameTable table = subject.runge_kutta();
-  state.counters["integrations"] = table.provenance().integrations;
-  report_speed_error(state, subject, table);
+  const OdeTable made = subject.runge_kutta();
+  state.counters["integrations"] = made.integrations;
+  report_speed_error(state, subject, made.table);
 }
 BENCHMARK(runge_kutta)->Arg(240)->Arg(100'000)->Unit(benchmark::kMicrosecond);
 

@@ -6,10 +6,10 @@
 #include <random>
 #include <vector>
 
+#include "host_tools/plan/ode_frame_table.hpp"
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_table.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
 #include "inbetween/timing/track.hpp"
 
@@ -38,7 +38,6 @@ class Subject {
     integrals_.resize(control_values + 1);
     span_distances_.resize(control_values + 1);
     points_.resize(static_cast<std::size_t>(frames) + 1);
-    segments_.resize(keys + 1);
   }
 
   [[nodiscard]] Track make_track() {
@@ -52,7 +51,7 @@ class Subject {
   }
   [[nodiscard]] FrameTable closed_form_of(const Track& track) { return *closed_form_table(track, points_); }
   [[nodiscard]] FrameTable closed_form() { return closed_form_of(make_track()); }
-  [[nodiscard]] FrameTable runge_kutta() { return *runge_kutta_table(make_track(), {}, segments_, points_); }
+  [[nodiscard]] OdeTable runge_kutta() { return *runge_kutta_table(make_track(), {}, points_); }
   [[nodiscard]] std::size_t axes() const { return axes_; }
   [[nodiscard]] std::int32_t frames() const { return frames_; }
 
@@ -67,7 +66,6 @@ class Subject {
   std::vector<SpanDistance> span_distances_;
   std::vector<SpeedSpan> spans_;
   std::vector<PathPoint> points_;
-  std::vector<OdeSegment> segments_;
 };
 
 /// A short move as an animator makes it: 8 keys, 7 control values. A long one: 100 keys, 64.

@@ -23,7 +23,6 @@
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/play/playhead.hpp"
 #include "inbetween/timing/key_timing.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
 #include "inbetween/trajectory/count_trajectory.hpp"
 #include "inbetween/trajectory/fit.hpp"
@@ -163,7 +162,6 @@ TEST(Budget, IsWhatTheStoragesOfTheCoreTake) {
   expect_size(bytes_of(capacity, "frame table"), sizeof(std::array<PathPoint, 241>));
   expect_size(bytes_of(capacity, "breaks"), sizeof(std::array<Portion, 4>));
   expect_size(bytes_of(capacity, "timed by frames"), sizeof(std::array<KeyInterval, 8>));
-  expect_size(bytes_of(capacity, "Runge-Kutta"), sizeof(std::array<OdeSegment, 9>));
   // 8 segments and 9 spans; the joints between them may be breaks, each with a row of its own.
   expect_size(bytes_of(capacity, "trajectory"), sizeof(std::array<TrajectoryPiece, 196>) +
                                                     sizeof(std::array<std::uint32_t, 196>) +

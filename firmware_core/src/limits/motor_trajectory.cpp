@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/zeroin.hpp"
+#include "inbetween/base/zeroin.hpp"
 #include "inbetween/limits/roll_trajectory.hpp"
 #include "limits/motor_sampler.hpp"
 #include "trajectory/bernstein.hpp"

@@ -92,8 +92,7 @@ Result<FrameTable> closed_form_table(const Track& track, std::span<PathPoint> me
       if (!points[i - 1].at_or_before(points[i])) points[i] = points[i - 1];
     }
   }
-  return FrameTable(points, {.solver = Solver::closed_form,
-                             .constant = track.has_profile() ? track.constant() : 0.0,
+  return FrameTable(points, {.constant = track.has_profile() ? track.constant() : 0.0,
                              .speed_error = track.arc_length().delta()});
 }
 

@@ -7,7 +7,6 @@
 #include "inbetween/play/playhead.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/key_timing.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/track.hpp"
 #include "inbetween/trajectory/bounds.hpp"
 #include "inbetween/trajectory/count_trajectory.hpp"
@@ -144,32 +143,12 @@ void report_sizes() {
   print("sizes double");
   for (const std::size_t size :
        {sizeof(Cubic), sizeof(ArcPiece), sizeof(TwoSum), sizeof(SpeedSpan), sizeof(PathPoint),
-        sizeof(OdeSegment), sizeof(TrajectoryPiece), sizeof(CountTrajectoryPiece), sizeof(CountPolynomial),
-        sizeof(Portion), sizeof(KeyInterval), sizeof(KeyLock), sizeof(FrameTime), sizeof(AxisMotion),
-        sizeof(RollAxis), sizeof(StopCell), sizeof(MotionTriple), sizeof(Playhead) - 4 * sizeof(void*)}) {
+        sizeof(TrajectoryPiece), sizeof(CountTrajectoryPiece), sizeof(CountPolynomial), sizeof(Portion),
+        sizeof(KeyInterval), sizeof(KeyLock), sizeof(FrameTime), sizeof(AxisMotion), sizeof(RollAxis),
+        sizeof(StopCell), sizeof(MotionTriple), sizeof(Playhead) - 4 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }
-  print("\n");
-}
-
-/// The paper's solver takes a million evaluations for a table; one short move shows that it is the same too.
-void report_runge_kutta(const Move& move) {
-  static SolvedMove solved;
-  static std::array<OdeSegment, max_keys + 1> segments;
-  const Result<Track> track = solved.solve(move);
-  if (!track) {
-    fail("runge_kutta", move, track.error());
-    return;
-  }
-  const auto table = runge_kutta_table(*track, {}, segments, solved.points());
-  if (!table) {
-    fail("runge_kutta", move, table.error());
-    return;
-  }
-  print("runge_kutta ");
-  print(move.name);
-  print_hash("table", hash_of(table->points()));
   print("\n");
 }
 
@@ -181,7 +160,6 @@ bool run() {
     report(move);
     report_trajectory(move);
   }
-  report_runge_kutta(moves[1]);
   report_play(moves[0]);
   report_play(moves[2]);
   report_joints();

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
+#include "host_tools/plan/ode_frame_table.hpp"
 #include "inbetween/path/arc_length.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/key_timing.hpp"
-#include "inbetween/timing/ode_frame_table.hpp"
 #include "inbetween/timing/speed_profile.hpp"
 #include "inbetween/timing/track.hpp"
 #include "tests/fuzz/targets/any_move.hpp"
@@ -226,10 +226,9 @@ class MoveUnderTest {
 
   void solve_runge_kutta(const Track& track) {
     std::vector<PathPoint> points(static_cast<std::size_t>(move_.frames) + 1);
-    std::vector<OdeSegment> segments(static_cast<std::size_t>(track.path().segment_count()) + 1);
     const OdeOptions options{.substeps = move_.substeps};
-    const auto table = runge_kutta_table(track, options, segments, points);
-    if (checked(table)) require_invariants(track, *table);
+    const auto table = runge_kutta_table(track, options, points);
+    if (checked(table)) require_invariants(track, table->table);
   }
 
   static Error no_need() { return {.code = ErrorCode::out_of_range, .what = "too long", .remedy = "none"}; }

@@ -12,20 +12,11 @@
 
 namespace inbetween {
 
-enum class Solver : std::uint8_t {
-  closed_form,  ///< L(s) = K Phi(a), inverted
-  runge_kutta,  ///< Bartels and Hardtke 1989, Figure 3: integration, with a root finder on K
-};
-
-/// The origin of a table, and how good its maker says it is.
+/// How good a table is, as its maker says.
 struct Provenance {
-  Solver solver = Solver::closed_form;
-  double constant = 0;                  ///< K
-  double speed_error = 0;               ///< closed form: delta; Runge-Kutta: the worst measured
-  std::int32_t speed_error_frame = -1;  ///< the step that ends on this frame; -1 where it is a bound
-  std::int32_t integrations = 0;        ///< trial integrations of the whole move
-  std::int32_t substeps = 0;            ///< k, integration steps a frame
-  double short_step_error = 0;  ///< Runge-Kutta: of a step below 1e-6 of the length, as a share of the length
+  double constant = 0;          ///< K
+  double speed_error = 0;       ///< closed form: delta
+  double short_step_error = 0;  ///< of a step below 1e-6 of the length, as a share of the length
 };
 
 /// N + 1 points in the caller's memory.

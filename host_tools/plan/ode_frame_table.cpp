@@ -1,20 +1,51 @@
-#include "inbetween/timing/ode_frame_table.hpp"
+#include "host_tools/plan/ode_frame_table.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "base/zeroin.hpp"
-#include "path/segment_speed.hpp"
+#include "inbetween/base/zeroin.hpp"
 
 namespace inbetween {
 namespace {
 
 /// How far beyond its end the path is extended, in s (design: the paper's slack).
-inline constexpr double slack = 0.5;
+constexpr double slack = 0.5;
 /// The last frame may miss the end of the path by this much in s and is then put on it.
-inline constexpr double end_tolerance = 1e-6;
-inline constexpr double worst_speed_error_allowed = 0.02;
-inline constexpr std::int32_t max_integrations = 100;
+constexpr double end_tolerance = 1e-6;
+constexpr double worst_speed_error_allowed = 0.02;
+constexpr std::int32_t max_integrations = 100;
+
+/// The speed of one segment, precomputed for the integration: sigma(t) = sqrt(q(t)) / scale.
+struct OdeSegment {
+  double q0 = 0, q1 = 0, q2 = 0, q3 = 0, q4 = 0;
+  double scale = 1;  ///< a power of two, so that no square overflows or vanishes
+};
+
+/// q = |W P'|^2, a quartic in t; nothing where the segment stays in one place.
+OdeSegment speed_of(std::span<const Cubic> cubics, std::span<const double> weights) {
+  double largest = 0;
+  for (std::size_t d = 0; d < cubics.size(); ++d) {
+    for (const double slope : {cubics[d].c1, 2 * cubics[d].c2, 3 * cubics[d].c3})
+      largest = std::max(largest, std::fabs(weights[d] * slope));
+  }
+  if (largest == 0) return {};
+  int exponent = 0;
+  static_cast<void>(std::frexp(largest, &exponent));
+  OdeSegment speed{.scale = std::ldexp(1.0, -exponent)};
+  for (std::size_t d = 0; d < cubics.size(); ++d) {
+    const double weight = weights[d] * speed.scale;
+    const double a = weight * cubics[d].c1;
+    const double b = weight * 2 * cubics[d].c2;
+    const double c = weight * 3 * cubics[d].c3;
+    speed.q0 += a * a;
+    speed.q1 += 2 * a * b;
+    speed.q2 += b * b + 2 * a * c;
+    speed.q3 += 2 * b * c;
+    speed.q4 += c * c;
+  }
+  return speed;
+}
 
 /// One integration of the whole move after another.
 class Integration {
@@ -23,7 +54,7 @@ class Integration {
       : track_(track),
         segments_(segments),
         end_(static_cast<double>(track.path().segment_count())),
-        limit_(end_ + static_cast<double>(slack)),
+        limit_(end_ + slack),
         substeps_(substeps) {}
 
   /// s(f) - n for a trial K; a trial that runs beyond the slack stops there.
@@ -94,27 +125,24 @@ class Integration {
 };
 
 /// The last entry is the extension along the last tangent: constant speed.
-Status prepare(const Path& path, std::span<OdeSegment> segments) {
+Status prepare(const Path& path, std::vector<OdeSegment>& segments) {
+  const auto singular = [&](const char* what) {
+    return Error{.code = ErrorCode::singular,
+                 .what = what,
+                 .remedy = "use the closed-form solver",
+                 .key = static_cast<std::int32_t>(segments.size())};
+  };
   for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
-    const SegmentSpeed speed(path.segment(i), path.weights());
-    if (speed.is_still()) {
-      return Error{
-          .code = ErrorCode::singular,
-          .what = "the path stands still after this key, and the Runge-Kutta solver divides by its speed",
-          .remedy = "use the closed-form solver",
-          .key = i};
+    const OdeSegment speed = speed_of(path.segment(i), path.weights());
+    const bool is_still = speed.q0 == 0 && speed.q2 == 0 && speed.q4 == 0;
+    if (is_still) {
+      return singular(
+          "the path stands still after this key, and the Runge-Kutta solver divides by its speed");
     }
-    const auto q = speed.about(0, true).q;
-    const double scale = std::ldexp(1.0, -speed.exponent());
-    const bool extension = i == path.segment_count();
-    segments[static_cast<std::size_t>(i)] =
-        extension ? OdeSegment{q[0], 0, 0, 0, 0, scale} : OdeSegment{q[0], q[1], q[2], q[3], q[4], scale};
-    if (!(q[0] > 0)) {
-      return Error{.code = ErrorCode::singular,
-                   .what = "the path has no speed at this key, and the Runge-Kutta solver divides by it",
-                   .remedy = "use the closed-form solver",
-                   .key = i};
-    }
+    if (!(speed.q0 > 0))
+      return singular("the path has no speed at this key, and the Runge-Kutta solver divides by it");
+    const bool is_extension = i == path.segment_count();
+    segments.push_back(is_extension ? OdeSegment{.q0 = speed.q0, .scale = speed.scale} : speed);
   }
   return Done{};
 }
@@ -161,8 +189,7 @@ Result<ConstantBracket> bracket(Integration& integration, double guess) {
       .remedy = "use the closed-form solver"};
 }
 
-Status check_request(const Track& track, const OdeOptions& options, std::size_t segment_memory,
-                     std::size_t point_memory) {
+Status check_request(const Track& track, const OdeOptions& options, std::size_t point_memory) {
   const std::size_t count = static_cast<std::size_t>(track.frames()) + 1;
   if (options.substeps < 1 || options.substeps > 10'000) {
     return Error{.code = ErrorCode::out_of_range,
@@ -174,13 +201,6 @@ Status check_request(const Track& track, const OdeOptions& options, std::size_t 
                  .what = "the move has more frames than the memory of the table",
                  .remedy = "give it a larger capacity",
                  .needed = static_cast<std::int64_t>(count)};
-  }
-  const std::int64_t segment_rows = static_cast<std::int64_t>(track.path().segment_count()) + 1;
-  if (segment_memory < static_cast<std::size_t>(segment_rows)) {
-    return Error{.code = ErrorCode::capacity,
-                 .what = "the path has more segments than the memory of the Runge-Kutta solver",
-                 .remedy = "give it a larger capacity",
-                 .needed = segment_rows};
   }
   if (!track.has_profile() || !track.portions().empty()) {
     return Error{.code = ErrorCode::out_of_range,
@@ -194,13 +214,13 @@ Status check_request(const Track& track, const OdeOptions& options, std::size_t 
 
 /// Refuses a table that is too far off the drawn speed.
 Status judge(const SpeedDeviation& deviation) {
-  if (!(deviation.relative <= static_cast<double>(worst_speed_error_allowed))) {
+  if (!(deviation.relative <= worst_speed_error_allowed)) {
     return Error{.code = ErrorCode::accuracy,
                  .what = "the Runge-Kutta solver is more than 2 % off the drawn speed",
                  .remedy = "use more steps a frame, or the closed-form solver",
                  .frame = deviation.frame};
   }
-  if (!(deviation.absolute <= static_cast<double>(end_tolerance))) {
+  if (!(deviation.absolute <= end_tolerance)) {
     return Error{.code = ErrorCode::accuracy,
                  .what = "the Runge-Kutta solver moves where the drawn speed is next to nothing",
                  .remedy = "use more steps a frame, or the closed-form solver",
@@ -211,19 +231,22 @@ Status judge(const SpeedDeviation& deviation) {
 
 }  // namespace
 
-Result<FrameTable> runge_kutta_table(const Track& track, const OdeOptions& options,
-                                     std::span<OdeSegment> segments, std::span<PathPoint> memory) {
+Result<OdeTable> runge_kutta_table(const Track& track, const OdeOptions& options,
+                                   std::span<PathPoint> memory) {
   const Path& path = track.path();
   const std::size_t count = static_cast<std::size_t>(track.frames()) + 1;
-  if (const Status valid = check_request(track, options, segments.size(), memory.size()); !valid) {
+  if (const Status valid = check_request(track, options, memory.size()); !valid) {
     return valid.error();
   }
-  Provenance provenance{.solver = Solver::runge_kutta, .substeps = options.substeps};
+  Provenance provenance;
+  OdeTable made{.table = {{}, {}}, .substeps = options.substeps};
   if (track.arc_length().total() == 0) {
     std::ranges::fill(memory.first(count), PathPoint{0, 0});
     memory[count - 1] = {path.segment_count(), 0};
-    return FrameTable(memory.first(count), provenance);
+    made.table = FrameTable(memory.first(count), provenance);
+    return made;
   }
+  std::vector<OdeSegment> segments;
   if (const Status ready = prepare(path, segments); !ready) return ready.error();
 
   Integration integration(track, options.substeps, segments);
@@ -234,14 +257,14 @@ Result<FrameTable> runge_kutta_table(const Track& track, const OdeOptions& optio
   provenance.constant = best.x;
 
   const double end = static_cast<double>(path.segment_count());
-  const double tolerance = std::max(double(end_tolerance), 100 * options.tolerance * end);
+  const double tolerance = std::max(end_tolerance, 100 * options.tolerance * end);
   memory[0] = {0, 0};
   const double reached = integration.run(best.x, [&](std::int32_t frame, double s) {
     const auto segment = static_cast<std::int32_t>(std::min(s, end));
     const bool at_end = segment == path.segment_count();
     memory[static_cast<std::size_t>(frame)] = {segment, at_end ? 0.0 : s - static_cast<double>(segment)};
   });
-  provenance.integrations = integration.count() + 1;
+  made.integrations = integration.count() + 1;
   if (!(std::fabs(reached - end) <= tolerance)) {
     return Error{.code = ErrorCode::not_converged,
                  .what = "the Runge-Kutta solver does not end at the last key",
@@ -254,10 +277,11 @@ Result<FrameTable> runge_kutta_table(const Track& track, const OdeOptions& optio
   const SpeedDeviation deviation =
       measure_speed_deviation(track, std::span<const PathPoint>(memory.first(count)));
   provenance.speed_error = deviation.relative;
-  provenance.speed_error_frame = deviation.frame;
+  made.speed_error_frame = deviation.frame;
   provenance.short_step_error = deviation.absolute;
   if (const Status good = judge(deviation); !good) return good.error();
-  return FrameTable(memory.first(count), provenance);
+  made.table = FrameTable(memory.first(count), provenance);
+  return made;
 }
 
 }  // namespace inbetween
