@@ -65,9 +65,8 @@ void write_joint(const Trajectory& trajectory, const FrameTime& at, bool arrivin
 
 /// The roll that begins or ends with the motion at `joints`, written to `out`, or what is in the way.
 Result<std::optional<RollBreach>> make_roll(const RollRequest& request, std::span<RollAxis> out) {
-  const auto obstacle = roll_obstacle(request);
-  if (!obstacle || *obstacle) return obstacle;
   const auto frames = roll_frames(request);
+  if (!frames && frames.error().code == ErrorCode::no_solution) return roll_obstacle(request);
   if (!frames) return frames.error();
   const RollSpan span{request.end, request.joint_frame, *frames, request.fps};
   for (std::size_t d = 0; d < request.joints.size(); ++d) {
@@ -75,7 +74,7 @@ Result<std::optional<RollBreach>> make_roll(const RollRequest& request, std::spa
     if (!axis) return axis.error();
     out[d] = *axis;
   }
-  return obstacle;
+  return std::optional<RollBreach>();
 }
 
 Error wrong_length() {

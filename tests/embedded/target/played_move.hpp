@@ -7,7 +7,7 @@
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/move.hpp"
 #include "inbetween/limits/move_bounds.hpp"
-#include "inbetween/limits/roll.hpp"
+#include "inbetween/limits/played_motion.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 #include "inbetween/timing/track.hpp"
 #include "tests/embedded/target/moves.hpp"
@@ -17,7 +17,7 @@
 
 namespace inbetween::embedded {
 
-/// What a move does: its peaks, and its cells on such a rig.
+/// It proves what a move does: its peaks, and its cells on such a rig.
 class ProvenMove {
  public:
   static constexpr std::size_t cells = 256;
@@ -27,13 +27,8 @@ class ProvenMove {
     track_ = track;
     return bound({}, 0);
   }
-  /// With a roll of so many frames at either end, or 0.
-  Status bound_in_cells(std::int32_t before, std::int32_t after) {
-    MoveRolls rolls;
-    if (const Status made = make_roll(RollEnd::before, before, before_, rolls.before); !made) return made;
-    if (const Status made = make_roll(RollEnd::after, after, after_, rolls.after); !made) return made;
-    return bound(rolls, cells);
-  }
+  /// With its rolls, in cells.
+  Status bound_in_cells(const MoveRolls& rolls) { return bound(rolls, cells); }
   [[nodiscard]] std::span<const AxisPeaks> peaks() const { return bounds_.peaks; }
   [[nodiscard]] const MotionCells& motion() const { return bounds_.cells; }
   [[nodiscard]] std::span<MotionTriple> room() { return storage_.room; }
@@ -45,24 +40,7 @@ class ProvenMove {
     bounds_ = storage_.bounds(*move, count);
     return bound_move(*move, {&*track_, 1}, {}, {}, storage_.memory(), bounds_);
   }
-  Status make_roll(RollEnd end, std::int32_t frames, std::span<RollAxis> memory,
-                   std::span<const RollAxis>& out) {
-    if (frames == 0) return Done{};
-    const auto axes = static_cast<std::size_t>(track_->path().axis_count());
-    std::array<AxisMotion, max_axes> joints;
-    joints_of({&*track_, 1}, end, joints);
-    const std::int32_t joint_frame = end == RollEnd::before ? 0 : track_->frames();
-    for (std::size_t d = 0; d < axes; ++d) {
-      const auto roll = RollAxis::make({end, joint_frame, frames, track_->frame_rate()}, joints[d]);
-      if (!roll) return roll.error();
-      memory[d] = *roll;
-    }
-    out = memory.first(axes);
-    return Done{};
-  }
-
   std::optional<Track> track_;
-  std::array<RollAxis, max_axes> before_, after_;
   MoveBoundsStorage<max_axes, 1000, 400, 60, cells> storage_;
   MoveBounds bounds_;
 };
@@ -76,11 +54,12 @@ class PlayedMove {
     axes_ = static_cast<std::size_t>(track.path().axis_count());
     if (const Status proven = proven_.bound(track); !proven) return proven;
     if (const Status limited = make_limits(); !limited) return limited;
-    MoveRolls rolls;
-    for (const RollEnd end : {RollEnd::before, RollEnd::after}) {
-      if (const Status rolled = make_rolls(end, rolls); !rolled) return rolled;
-    }
-    const auto move = inbetween::Move::make(std::span<const Track>(&*track_, 1), rolls);
+    const auto of_axes = [&](auto& memory) { return std::span(memory).first(axes_); };
+    const auto joined = join_rolls({&*track_, 1}, {}, limits(), {0, track_->frames()},
+                                   {of_axes(joints_), of_axes(before_), of_axes(after_)});
+    if (!joined) return joined.error();
+    if (joined->obstacles[0] || joined->obstacles[1]) return no_roll();
+    const auto move = inbetween::Move::make(std::span<const Track>(&*track_, 1), joined->rolls);
     if (!move) return move.error();
     move_ = *move;
     if (const Status proven = prove(); !proven) return proven;
@@ -88,11 +67,8 @@ class PlayedMove {
   }
   /// Anew, for a move that has been made: what it does, in cells.
   Status prove() {
-    const auto length = [](std::span<const RollAxis> roll) {
-      return roll.empty() ? 0 : roll.front().span().frames;
-    };
     write_room(limits(), 1, 1.0 / static_cast<double>(rate_hz_), proven_.room());
-    return proven_.bound_in_cells(length(move_->rolls().before), length(move_->rolls().after));
+    return proven_.bound_in_cells(move_->rolls());
   }
   /// Once, from what was proven.
   Status make_bounds() {
@@ -132,24 +108,11 @@ class PlayedMove {
     }
     return Done{};
   }
-  Status make_rolls(RollEnd end, MoveRolls& rolls) {
-    const bool is_before = end == RollEnd::before;
-    const std::span<AxisMotion> joints = std::span(joints_).first(axes_);
-    if (!joints_of({&*track_, 1}, end, joints)) return Done{};
-    RollSpan span{.end = end, .joint_frame = is_before ? 0 : track_->frames(), .fps = track_->frame_rate()};
-    const auto frames = roll_frames({end, span.joint_frame, span.fps, joints, limits()});
-    if (!frames) return frames.error();
-    span.frames = *frames;
-    const std::span<RollAxis> axes = std::span(is_before ? before_ : after_).first(axes_);
-    for (std::size_t d = 0; d < axes_; ++d) {
-      const auto roll = RollAxis::make(span, joints[d]);
-      if (!roll) return roll.error();
-      axes[d] = *roll;
-    }
-    (is_before ? rolls.before : rolls.after) = axes;
-    return Done{};
+  static Error no_roll() {
+    return {.code = ErrorCode::no_solution,
+            .what = "no roll keeps the limits",
+            .remedy = "leave more room above the peaks"};
   }
-
   static AxisLimits no_limits() { return *AxisLimits::make({0, 1, 1, 1}); }
 
   std::optional<Track> track_;
