@@ -43,10 +43,8 @@ inline Setpoint random_next(const Setpoint& at, const StepSpec& spec) {
   const double slowness = *rc::gen::inRange(0, 3) == 0 ? 0.02 : 1;
   const double velocity = slowness * between(-speed, speed);
   const double acceleration = slowness * between(-speed, speed) * 3 / seconds;
-  const double way =
-      seconds * ((static_cast<double>(at.velocity) + velocity) / 2 + slowness * between(-speed, speed) / 5);
-  return {static_cast<double>(static_cast<double>(at.position) + way), static_cast<double>(velocity),
-          static_cast<double>(acceleration)};
+  const double way = seconds * ((at.velocity + velocity) / 2 + slowness * between(-speed, speed) / 5);
+  return {at.position + way, velocity, acceleration};
 }
 
 }  // namespace inbetween

@@ -174,7 +174,7 @@ TEST(CountTrajectory, ASepticFromRestToRestIsFollowedByQuintics) {
 }
 
 TEST(CountTrajectory, APieceThatIsMadeFromVelocitiesIsFollowed) {
-  // From rest to 40 in the half of a second.
+  // The axis goes from rest to 40 in half a second.
   const std::array<double, 8> values{7, 0, 0, 0, 17, 40, 0, 0};
   const std::array<TrajectoryPiece, 1> pieces{
       {{.begin = {}, .inverse_frames = 1.0 / 12, .seconds = 0.5, .begin_row = 0, .end_row = 4, .degree = 6}}};

@@ -225,7 +225,7 @@ TEST(FrameTable, ALastFrameThatMissesTheLastKeyIsNoticed) {
 
 TEST(FrameTable, AFrameAwayFromItsDrawnSpeedIsNoticed) {
   using Points = std::vector<PathPoint>;
-  for (const double off : {double(1e-3), double(-1e-3)}) {
+  for (const double off : {1e-3, -1e-3}) {
     expect_broken(
         ordinary_move(), [&](Points& points) { points[58].t += off; }, "speed is not as drawn", 58);
   }

@@ -52,7 +52,6 @@ RandomMove rounded(RandomMove move) {
   for (auto& shape : move.keys.tension_continuity_bias) {
     for (long double& number : shape) number = static_cast<long double>(static_cast<double>(number));
   }
-  for (double& value : move.speed) value = static_cast<double>(static_cast<double>(value));
   return move;
 }
 

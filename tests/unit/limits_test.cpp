@@ -22,21 +22,21 @@ TEST(AxisLimits, StopsMayUseHalfAsMuchAgainWhereTheRigDoesNotSay) {
   EXPECT_EQ(limits->max(), 1500);
   EXPECT_EQ(limits->max_velocity(), 400);
   EXPECT_EQ(limits->max_acceleration(), 800);
-  EXPECT_EQ(limits->max_jerk(), double{8000});
+  EXPECT_EQ(limits->max_jerk(), 8000.0);
   EXPECT_EQ(limits->stop_acceleration(), 1200);
-  EXPECT_EQ(limits->stop_jerk(), double{12000});
+  EXPECT_EQ(limits->stop_jerk(), 12000.0);
   EXPECT_EQ(limits->max_acceleration_step(), 0);
 }
 
 TEST(AxisLimits, WhatTheRigSaysOfStopsHolds) {
   AxisLimitsSpec spec = slider();
-  spec.stop_acceleration = double{800};
-  spec.stop_jerk = double{9000};
-  spec.max_acceleration_step = double{50};
+  spec.stop_acceleration = 800.0;
+  spec.stop_jerk = 9000.0;
+  spec.max_acceleration_step = 50.0;
   const auto limits = AxisLimits::make(spec);
   ASSERT_TRUE(limits.has_value());
   EXPECT_EQ(limits->stop_acceleration(), 800);
-  EXPECT_EQ(limits->stop_jerk(), double{9000});
+  EXPECT_EQ(limits->stop_jerk(), 9000.0);
   EXPECT_EQ(limits->max_acceleration_step(), 50);
 }
 
@@ -52,11 +52,11 @@ TEST(AxisLimits, WithoutAJerkLimitThereIsNoneForStops) {
 TEST(AxisLimits, AJerkLimitCanHoldForStopsAlone) {
   AxisLimitsSpec spec = slider();
   spec.max_jerk.reset();
-  spec.stop_jerk = double{100};
+  spec.stop_jerk = 100.0;
   const auto limits = AxisLimits::make(spec);
   ASSERT_TRUE(limits.has_value());
   EXPECT_FALSE(limits->max_jerk().has_value());
-  EXPECT_EQ(limits->stop_jerk(), double{100});
+  EXPECT_EQ(limits->stop_jerk(), 100.0);
 }
 
 TEST(AxisLimits, IllegalValuesAreRefusedByName) {
@@ -81,20 +81,18 @@ TEST(AxisLimits, IllegalValuesAreRefusedByName) {
       {"max_velocity", ErrorCode::not_finite, [&](Spec& s) { s.max_velocity = infinity; }},
       {"max_acceleration", ErrorCode::out_of_range, [&](Spec& s) { s.max_acceleration = -1; }},
       {"max_acceleration", ErrorCode::not_finite, [&](Spec& s) { s.max_acceleration = nan; }},
-      {"max_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.max_jerk = double{0}; }},
+      {"max_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.max_jerk = 0.0; }},
       {"max_jerk", ErrorCode::not_finite, [&](Spec& s) { s.max_jerk = nan; }},
-      {"max_acceleration_step", ErrorCode::out_of_range,
-       [&](Spec& s) { s.max_acceleration_step = double{0}; }},
+      {"max_acceleration_step", ErrorCode::out_of_range, [&](Spec& s) { s.max_acceleration_step = 0.0; }},
       {"stop_acceleration", ErrorCode::not_finite, [&](Spec& s) { s.stop_acceleration = nan; }},
-      {"stop_acceleration is below", ErrorCode::out_of_range,
-       [&](Spec& s) { s.stop_acceleration = double{799}; }},
+      {"stop_acceleration is below", ErrorCode::out_of_range, [&](Spec& s) { s.stop_acceleration = 799.0; }},
       {"stop_jerk", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = double{-1}; }},
       {"stop_jerk is not a limit", ErrorCode::out_of_range,
        [&](Spec& s) {
          s.max_jerk.reset();
-         s.stop_jerk = double{0};
+         s.stop_jerk = 0.0;
        }},
-      {"stop_jerk is below", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = double{7999}; }},
+      {"stop_jerk is below", ErrorCode::out_of_range, [&](Spec& s) { s.stop_jerk = 7999.0; }},
   };
   for (const Case& one : cases) {
     Spec spec = slider();

@@ -268,15 +268,15 @@ TEST(PathTcb, WithContinuityZeroHasOneTangentAtEveryKey) {
 TEST(Path, SmoothThroughEvenlySpacedKeysIsTheNaturalSpline) {
   const std::vector<double> keys{0, 1, 0};
   const DrawnPath path({.axis_count = 1, .keys = keys});
-  expect_cubic(path.cubic(0), 0, double(1.5), 0, double(-0.5));
-  expect_cubic(path.cubic(1), 1, 0, double(-1.5), double(0.5));
+  expect_cubic(path.cubic(0), 0, 1.5, 0, -0.5);
+  expect_cubic(path.cubic(1), 1, 0, -1.5, 0.5);
 }
 
 TEST(Path, SmoothSpacesItsKnotsByTheSquareRootOfTheChord) {
   // Chords 1 and 4, so knots at 0, 1, 3; slopes 1 and 2; M = 6 (2 - 1) / (2 (1 + 2)) = 1.
   const std::vector<double> keys{0, 1, 5};
   const DrawnPath path({.axis_count = 1, .keys = keys});
-  expect_cubic(path.cubic(0), 0, double(5) / 6, 0, double(1) / 6);
+  expect_cubic(path.cubic(0), 0, 5.0 / 6, 0, 1.0 / 6);
   expect_cubic(path.cubic(1), 1, 8.0 / 3, 2, -2.0 / 3);
 }
 

@@ -51,24 +51,24 @@ bool says(const char* text, const std::string& word) {
 // --- one axis
 
 TEST(Roll, AnAxisThatRestsStaysWhereItIs) {
-  const auto roll = post_roll({.position = double(0.1)}, 7);
+  const auto roll = post_roll({.position = 0.1}, 7);
   for (const std::int32_t frame : {240, 243, 247, 300}) {
     const AxisMotion at = roll.motion({frame, 0});
-    EXPECT_EQ(at.position, double(0.1));
+    EXPECT_EQ(at.position, 0.1);
     EXPECT_EQ(at.velocity, 0);
     EXPECT_EQ(at.acceleration, 0);
     EXPECT_EQ(at.jerk, 0);
   }
   const AxisPeaks peaks = roll.peaks();
-  EXPECT_EQ(peaks.lowest.value, double(0.1));
-  EXPECT_EQ(peaks.highest.value, double(0.1));
+  EXPECT_EQ(peaks.lowest.value, 0.1);
+  EXPECT_EQ(peaks.highest.value, 0.1);
   EXPECT_EQ(peaks.velocity.value, 0);
   EXPECT_EQ(peaks.acceleration.value, 0);
   EXPECT_EQ(peaks.jerk.value, 0);
 }
 
 TEST(Roll, JoinsTheMoveToTheLastBitAndRestsExactly) {
-  const AxisMotion joint{double(1234.1), double(-0.7), double(3.3), 0};
+  const AxisMotion joint{1234.1, -0.7, 3.3, 0};
   for (const std::int32_t frames : {1, 3, 7, 49, 1001}) {
     for (const auto& roll : {pre_roll(joint, frames), post_roll(joint, frames)}) {
       const RollSpan span = roll.span();
@@ -92,12 +92,12 @@ TEST(Roll, JoinsTheMoveToTheLastBitAndRestsExactly) {
 TEST(Roll, HoldsStillBeyondTheFarEnd) {
   const auto before = pre_roll({.position = 1, .velocity = 2, .acceleration = 3}, 10);
   const auto after = post_roll({.position = 1, .velocity = 2, .acceleration = 3}, 10);
-  for (const AxisMotion& at : {before.motion({-11, double(0.5)}), before.motion_at_seconds(double(-0.5))}) {
+  for (const AxisMotion& at : {before.motion({-11, 0.5}), before.motion_at_seconds(-0.5)}) {
     EXPECT_EQ(at.position, before.rest_position());
     EXPECT_EQ(at.velocity, 0);
     EXPECT_EQ(at.jerk, 0);
   }
-  for (const AxisMotion& at : {after.motion({250, double(0.5)}), after.motion_at_seconds(double(0.5))}) {
+  for (const AxisMotion& at : {after.motion({250, 0.5}), after.motion_at_seconds(0.5)}) {
     EXPECT_EQ(at.position, after.rest_position());
     EXPECT_EQ(at.velocity, 0);
     EXPECT_EQ(at.jerk, 0);
@@ -130,8 +130,8 @@ TEST(Roll, FromRestToASteadySpeedIsTheQuarticThatPaperAndPencilGive) {
 }
 
 TEST(Roll, ThePostRollIsTheMirrorImageOfAPreRoll) {
-  const auto before = pre_roll({double(3.5), double(1.7), double(0.9), 0}, 31);
-  const auto after = post_roll({double(3.5), double(-1.7), double(0.9), 0}, 31);
+  const auto before = pre_roll({3.5, 1.7, 0.9, 0}, 31);
+  const auto after = post_roll({3.5, -1.7, 0.9, 0}, 31);
   for (std::int32_t i = 0; i <= 31; ++i) {
     const AxisMotion a = before.motion({-i, 0});
     const AxisMotion b = after.motion({240 + i, 0});

@@ -42,7 +42,7 @@ std::optional<Breach> breach_of(const JudgedMove& move, std::size_t moved) {
   return std::nullopt;
 }
 
-/// What the peaks of an axis allow.
+/// How many times faster the peaks of an axis may become.
 double rate_of(const AxisPeaks& peaks, const AxisLimits& limits) {
   double rate = std::numeric_limits<double>::infinity();
   if (peaks.velocity.value > 0) rate = std::min(rate, limits.max_velocity() / peaks.velocity.value);

@@ -60,9 +60,8 @@ inline double rough_seventh_root(double x) {
   return root * (0.8995 + 0.1041 * std::clamp(x, 1.0, 2.0));
 }
 
-/// Rounding alone may show this residual of a piece: its speed at two places, and the sum of both. In single
-/// precision it is of the size of the default delta, and without it pieces would be divided for nothing (held
-/// by HardCases and NoAllocation).
+/// Rounding alone may show this residual of a piece: its speed at two places, and the sum of both.
+/// Without it pieces would be divided for nothing where delta is small.
 inline constexpr double residual_rounding = 48 * std::numeric_limits<double>::epsilon();
 
 /// A segment this much shorter than the path is passed in no distance: it is below the last bit of a

@@ -158,7 +158,7 @@ inline StepCrossings::StepCrossings(const StepMotion& start, const StepMotion& e
   const auto [lowest, highest] = std::minmax_element(outer.begin(), outer.end());
   const double low = std::min(*lowest, middle);
   const double high = std::max(*highest, middle);
-  const double max_speed = double(1 << 24);
+  const double max_speed = 1 << 24;
   if (!(low > -max_speed && high < max_speed)) {
     count_ = -1;
     return;

@@ -20,7 +20,6 @@ class Fnv1a {
   }
   constexpr void add(std::int32_t number) { add(static_cast<std::uint32_t>(number), 4); }
   constexpr void add(double number) { add(std::bit_cast<std::uint64_t>(number), 8); }
-  constexpr void add(float number) { add(std::bit_cast<std::uint32_t>(number), 4); }
 
   [[nodiscard]] constexpr std::uint64_t value() const { return state_; }
 

@@ -4,7 +4,7 @@
 
 namespace inbetween {
 
-/// What double precision, in which the whole core computes, can hold and tell apart.
+/// The whole core computes in double. These numbers say what a double can hold and tell apart.
 struct Precision {
   /// The largest magnitude of a coordinate, a weight or a product of both: its square times the
   /// number of axes stays finite after the per-segment scaling by a power of two.

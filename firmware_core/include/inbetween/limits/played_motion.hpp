@@ -30,7 +30,7 @@ struct RollObstacle {
   double joint_position = 0;  ///< of that axis, where the roll would join the move
 };
 
-/// What joins a part of a move: its rolls, and at an end where one is needed and none keeps the limits, why.
+/// These rolls join a part of a move. An obstacle says why there is none at an end that needs one.
 struct JoinedRolls {
   MoveRolls rolls;
   std::array<std::optional<RollObstacle>, 2> obstacles;  ///< before it, behind it

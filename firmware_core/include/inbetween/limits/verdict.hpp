@@ -8,8 +8,8 @@
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/move_bounds.hpp"
 
-/// What of its limits a move does not keep, and how fast it could be played, from what is proven of it
-/// (bound_move).
+/// The verdict on a move: it names the limits that the move does not keep, and says how fast it could be
+/// played. It follows from what bound_move has proven.
 
 namespace inbetween {
 
@@ -51,7 +51,7 @@ RangeVerdict judge_range(double lowest, double highest, const AxisLimits& limits
 /// max_acceleration_step. A step of the velocity is never allowed.
 bool breaks_jerk_limit(double acceleration_step, const AxisLimits& limits);
 
-/// What is proven of a move, and the limits of its axes and, behind them, its motors.
+/// This holds what is proven of a move, and the limits of its axes and, behind them, of its motors.
 struct JudgedMove {
   std::span<const AxisPeaks> peaks;
   std::span<const MoveStep> steps;

@@ -32,7 +32,7 @@ struct AxisGear {
   };
   std::optional<Planned> planned = {};
 
-  /// What the motor is told for its axis, without take-up and offset.
+  /// The motor is told this for its axis, before take-up and offset are added.
   [[nodiscard]] Setpoint of_motor(const Setpoint& axis) const {
     if (planned && planned->axis == axis) return planned->motor;
     return calibration == nullptr ? axis : calibration->motor_of(axis);
