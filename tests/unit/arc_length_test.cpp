@@ -162,7 +162,6 @@ TEST(ArcLength, ADistanceOfTwoPartsIsBeforeTheEndWhenItsSumIs) {
   const PathPoint point = line->locate({2 * total, -total - 0.25});
   EXPECT_EQ(point.segment, 1);
   EXPECT_NEAR(line.path().position(point, 1), -7.75, 256 * std::numeric_limits<double>::epsilon());
-  EXPECT_EQ(line->piece_of({2 * total, -total - 0.25}), static_cast<std::size_t>(line->piece_count() - 1));
 }
 
 TEST(ArcLength, APathThatStaysHasNoLengthAndOnePlace) {

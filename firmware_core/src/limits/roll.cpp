@@ -79,12 +79,6 @@ AxisMotion RollAxis::motion(const FrameTime& time) const {
   return at_share((static_cast<double>(whole) + fraction) / frames, u);
 }
 
-AxisMotion RollAxis::motion_at_seconds(double from_joint) const {
-  const double s = from_joint / signed_seconds_;
-  if (s < -1) return {.position = rest_position()};
-  return at_share(s, 1 + s);
-}
-
 std::array<double, 5> RollAxis::coefficients() const {
   const double h = signed_seconds_;
   return {joint_.position, joint_.velocity, joint_.acceleration / 2,

@@ -189,16 +189,6 @@ Text remedy(RollQuantity quantity, bool at_joint) {
 
 }  // namespace
 
-Result<std::optional<RollBreach>> roll_breach(const RollRequest& request, std::int32_t frames) {
-  const Status counts = check_request(request);
-  if (!counts) return counts.error();
-  for (std::size_t i = 0; i < request.joints.size(); ++i) {
-    Result<FoundBreach> breach = breach_of_axis(request, i, frames);
-    if (!breach || *breach) return breach;
-  }
-  return FoundBreach{};
-}
-
 Result<std::int32_t> roll_frames(const RollRequest& request) {
   const Result<Search> found = search(request);
   if (!found) return found.error();

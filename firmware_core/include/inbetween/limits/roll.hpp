@@ -67,8 +67,6 @@ class RollAxis {
   /// jerk at either end is that inside the roll. Beyond the end at rest: resting there. Domain: not on the
   /// move's side of the joint. O(1), no allocation.
   [[nodiscard]] AxisMotion motion(const FrameTime& time) const;
-  /// The same at a time in seconds from the joint, -T..0 on a pre-roll, 0..T on a post-roll.
-  [[nodiscard]] AxisMotion motion_at_seconds(double from_joint) const;
 
   /// c[0] + c[1] t + ... + c[4] t^4 is the position t seconds from the joint:
   /// c[0] = p, c[1] = v, c[2] = a / 2.
@@ -124,11 +122,6 @@ struct RollRequest {
   std::span<const AxisLimits> limits;
 };
 
-/// The first limit that the roll of `frames` frames breaks, by axis; of an axis velocity first, then
-/// acceleration, jerk, position. Empty where all hold. Errors: wrong_count (joints, limits), out_of_range
-/// (fps), those of RollAxis::make, with axis. O(axes).
-Result<std::optional<RollBreach>> roll_breach(const RollRequest& request, std::int32_t frames);
-
 /// The smallest whole number of frames for which every axis keeps its limits of position, velocity,
 /// acceleration and jerk on the roll; 0 where every axis is at rest already (v = a = 0), because then there
 /// is nothing to roll.
@@ -148,7 +141,8 @@ Result<std::optional<RollBreach>> roll_breach(const RollRequest& request, std::i
 /// answer.
 ///
 /// Errors: no_solution, with axis, frame = joint_frame and the limit in the way (see roll_obstacle for value
-/// and place); those of roll_breach. Cost: O(axes) a number tried, about 40 ns an axis on a desktop machine.
+/// and place), wrong_count (joints, limits), out_of_range (fps), those of RollAxis::make, with axis. Cost:
+/// O(axes) a number tried, about 40 ns an axis on a desktop machine.
 Result<std::int32_t> roll_frames(const RollRequest& request);
 
 /// Why roll_frames found none: the limit that it names, with number and place; empty where it found one.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "inbetween/base/precision.hpp"
@@ -121,11 +120,6 @@ class ArcLength {
   /// In the order of distance.
   [[nodiscard]] std::span<const ArcPiece> pieces() const { return pieces_; }
   [[nodiscard]] double delta() const { return delta_; }
-  /// The piece in which a distance lies, none for what locate() takes for an end of the path.
-  [[nodiscard]] std::optional<std::size_t> piece_of(const TwoSum& distance) const {
-    if (distance.high <= 0 || is_at_end(distance.high, distance, 0)) return std::nullopt;
-    return piece_at(distance.high);
-  }
   /// The distance at which a piece begins; its t there is c[0].
   [[nodiscard]] TwoSum begin_of(std::size_t piece) const {
     if (pieces_[piece].kind == ArcPiece::Kind::plain) return {pieces_[piece].origin, pieces_[piece].shift};
