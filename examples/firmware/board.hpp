@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-/// What a program on a bare controller asks of its board. board_mps2.cpp answers for Arm's MPS2 boards, which
-/// QEMU has; for another board write that file and a linker script anew.
+/// What a program on a bare controller asks of its board. board_mps2.cpp and button_mps2.cpp answer for Arm's
+/// MPS2 boards, which QEMU has; for another board write them and a linker script anew.
 
 namespace inbetween::board {
 
@@ -19,6 +19,9 @@ void start_tick(std::int32_t rate_hz);
 std::int64_t wait_for_tick();
 /// The tick interrupt.
 void on_tick();
+
+/// Whether somebody holds the button that stops the move. Called once a tick.
+bool button_is_pressed();
 
 /// Puts characters out on the serial port, waiting for it where it is slower.
 void send(std::string_view text);

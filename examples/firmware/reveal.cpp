@@ -1,10 +1,9 @@
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 #include "examples/firmware/board.hpp"
+#include "examples/firmware/line_sink.hpp"
 #include "inbetween/timing/frame_table.hpp"
 #include "inbetween/timing/track.hpp"
 #include "inbetween/trajectory/count_trajectory.hpp"
@@ -37,26 +36,6 @@ std::array<SampledJoint, 60> joints;
 TrajectoryStorage<axis_count, 200, 30> trajectory_storage;
 std::array<CountTrajectoryPiece, 300> count_pieces;
 std::array<CountPolynomial, axis_count * count_pieces.size()> count_polynomials;
-
-/// Where positions go. Here as lines of text; a drive on a bus is another class with the same function.
-class LineSink {
- public:
-  void set_positions(std::int64_t tick, std::span<const std::int32_t> counts) {
-    put(tick);
-    for (const std::int32_t count : counts) {
-      board::send(" ");
-      put(count);
-    }
-    board::send("\n");
-  }
-
- private:
-  static void put(std::int64_t number) {
-    std::array<char, 24> digits;
-    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
-    board::send({digits.data(), end});
-  }
-};
 
 bool refuse(const Error& error) {
   board::send("error: ");
@@ -104,7 +83,7 @@ bool inbetween::board::program() {
   Result<CountTrajectory> counts = counts_of(*track);
   if (!counts) return refuse(counts.error());
 
-  LineSink sink;
+  board::LineSink sink;
   std::array<std::int32_t, axis_count> position;
   const std::int64_t last = last_tick(frames, fps, rate_hz);
   board::start_tick(rate_hz);

@@ -107,7 +107,7 @@ constexpr std::array<FunctionBudget, 19> stack{{
     {"Track::motion", 704, 960},
     {"fit_trajectory", 3680, 4072},
     {"Trajectory::positions", 448, 672},
-    {"CountTrajectory::make", 1120, 1408},
+    {"CountTrajectory::make", 1128, 1408},
     {"CountTrajectory::counts", 48, 48},
     {"Playhead::tick", 768, 864},
     {"supervise", 32, 32},
@@ -118,8 +118,17 @@ constexpr std::array<FunctionBudget, 19> stack{{
     {"Cia402Bus::receive", 288, 288},
 }};
 
+constexpr std::array<FunctionBudget, 6> programs{{
+    {"reveal_firmware(flash)", 117'000, 168'000},
+    {"reveal_firmware(ram)", 98'000, 98'000},
+    {"reveal_firmware(stack)", 4300, 4650},
+    {"play_table(flash)", 16'000, 18'200},
+    {"play_table(ram)", 800, 800},
+    {"play_table(stack)", 256, 256},
+}};
+
 // CountTrajectory::counts is asked for in 140 on a Cortex-M7 and 130 on a Cortex-M4F.
-constexpr std::array<FunctionBudget, 14> instructions{{
+constexpr std::array<FunctionBudget, 15> instructions{{
     {"fit_trajectory", 1'200'000, 29'500'000},
     {"CountTrajectory::make", 890'000, 14'700'000},
     {"Trajectory::positions", 310, 7450},
@@ -134,6 +143,7 @@ constexpr std::array<FunctionBudget, 14> instructions{{
     {"Playhead::tick(ramps)", 1150, 16'000},
     {"bound_move", 3'000'000, 60'500'000},
     {"StopBounds::make", 225'000, 5'000'000},
+    {"play_table(tick)", 420, 4700},
 }};
 
 std::string number(std::int64_t value) {
@@ -187,6 +197,10 @@ std::span<const FunctionBudget> stack_limits() {
   return stack;
 }
 
+std::span<const FunctionBudget> program_limits() {
+  return programs;
+}
+
 std::span<const FunctionBudget> instruction_limits() {
   return instructions;
 }
@@ -223,6 +237,8 @@ void print_budget(const BudgetCapacity& capacity, std::FILE* out) {
   print_limits(stack_limits(), out);
   fmt::print(out, "\nInstructions for three axes, on average over a move, at most:\n");
   print_limits(instruction_limits(), out);
+  fmt::print(out, "\nPrograms that play a move of three axes (examples/firmware), at most, in bytes:\n");
+  print_limits(program_limits(), out);
   print_buses(capacity, out);
 }
 

@@ -42,10 +42,11 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
         return known ? "" : fmt::format("{} is not in the range {:g} to below {:g}", text, min, above);
       });
   app.footer(
-      R"(Four tables: the bytes that the caller of the core provides for every object of a move of that
+      R"(Five tables: the bytes that the caller of the core provides for every object of a move of that
 capacity (the same on every processor); the worst stack of every public function on two microcontrollers,
 added up from what the compiler says; the instructions that a tick of three axes takes there, counted in an
-emulator. These two are limits, which the tests of the project hold. The last is the load of a CAN bus with a
+emulator; the bytes of two programs for these, one that solves a move and one that plays a table of
+`inbetween plan --trajectory`. These three are limits, which the tests of the project hold. The last is the load of a CAN bus with a
 CiA 402 drive for each axis: the bits of its cyclic frames, with all the stuffing bits that there can be.
 
 Examples:

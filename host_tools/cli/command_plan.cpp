@@ -6,18 +6,21 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/check/check.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/files/output_file.hpp"
 #include "host_tools/plan/plan_output.hpp"
 #include "host_tools/plan/plan_plot.hpp"
 #include "host_tools/plot/plot.hpp"
+#include "host_tools/table/table_output.hpp"
+#include "host_tools/table/trajectory_table.hpp"
 
 namespace inbetween {
 namespace {
 
 struct PlanArguments {
   std::string move, per = "frame", solver = "closed-form";
-  std::optional<std::string> rig, csv, json, plot, frames;
+  std::optional<std::string> rig, csv, json, plot, trajectory, frames;
   PictureStyle style = PictureStyle::light;
   std::optional<std::int32_t> turns;
 };
@@ -92,6 +95,24 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
   print_rolls(plan, out);
 }
 
+bool ends_with(const std::optional<std::string>& name, std::string_view ending) {
+  return name && name->ends_with(ending);
+}
+
+void check_table_usage(const PlanArguments& arguments) {
+  if (!arguments.trajectory) return;
+  if (!ends_with(arguments.trajectory, ".json") && !ends_with(arguments.trajectory, ".h")) {
+    throw UsageError(fmt::format("--trajectory {}: the name must end in .json, or in .h for a C header",
+                                 *arguments.trajectory));
+  }
+  if (!arguments.rig) {
+    throw UsageError("--trajectory needs --rig RIG, whose limits say how the move is stopped");
+  }
+  if (arguments.solver == "runge-kutta") {
+    throw UsageError("--solver runge-kutta knows frames only; leave out --trajectory or the solver");
+  }
+}
+
 void check_usage(const PlanArguments& arguments) {
   if (arguments.per == "tick" && !arguments.rig) {
     throw UsageError("--per tick needs --rig RIG, which says how many ticks a second has");
@@ -100,9 +121,30 @@ void check_usage(const PlanArguments& arguments) {
     throw UsageError("--solver runge-kutta knows frames only; leave out --per tick or the solver");
   }
   refuse_unknown_picture(arguments.plot);
-  refuse_outputs_in_one_place(
-      {{"MOVE", arguments.move}, {"--rig", arguments.rig}},
-      {{"--csv", arguments.csv}, {"--json", arguments.json}, {"--plot", arguments.plot}});
+  check_table_usage(arguments);
+  refuse_outputs_in_one_place({{"MOVE", arguments.move}, {"--rig", arguments.rig}},
+                              {{"--csv", arguments.csv},
+                               {"--json", arguments.json},
+                               {"--plot", arguments.plot},
+                               {"--trajectory", arguments.trajectory}});
+}
+
+/// Refuses what `run` would refuse: nobody proves anything of it after this.
+void write_trajectory(const Plan& plan, const std::string& name, std::FILE* out) {
+  const CheckReport report = check(plan);
+  refuse_beyond_limits(report);
+  const TrajectoryTable table = trajectory_table(plan, report);
+  write_output(name, [&](std::FILE* file) {
+    if (name.ends_with(".h")) {
+      write_table_header(table, table_name_of(name), file);
+    } else {
+      write_table_json(table, file);
+    }
+  });
+  fmt::print(out, "{}: {} of {}, and a stop for each of {} places, which takes at most {:.3g} s\n", name,
+             counted(static_cast<std::int64_t>(piece_count(table)), "piece"),
+             counted(static_cast<std::int64_t>(table.motors.size()), "motor"), table.stops.size(),
+             longest_stop_s(table));
 }
 
 int plan_command(const PlanArguments& arguments) {
@@ -119,7 +161,9 @@ int plan_command(const PlanArguments& arguments) {
     write_output(*arguments.json, [&](std::FILE* file) { write_plan_json(plan, rows, file); });
   }
   if (arguments.plot) draw_plot(plot_of(plan), *arguments.plot, arguments.style);
-  print_plan_summary(plan, summary_stream(arguments.csv == "-" || arguments.json == "-"));
+  std::FILE* const out = summary_stream(arguments.csv == "-" || arguments.json == "-");
+  print_plan_summary(plan, out);
+  if (arguments.trajectory) write_trajectory(plan, *arguments.trajectory, out);
   return 0;
 }
 
@@ -142,13 +186,18 @@ void describe(CLI::App& app, PlanArguments& arguments) {
   app.add_option("--json", arguments.json, "write everything: path, table, axes (- is standard output)");
   app.add_option("--plot", arguments.plot,
                  "draw the path, the speed curve, the time bar and the axes (.svg, .png or .pdf)");
+  app.add_option(
+      "--trajectory", arguments.trajectory,
+      "write what plays as a table of polynomials with proven stops, for a microcontroller: .json, or "
+      ".h for a C header (with --rig)");
   add_style(app, arguments.style);
   app.footer(R"(Examples:
   inbetween plan move.toml                                   a summary
   inbetween plan move.toml --plot move.svg                   a picture
   inbetween plan move.toml --csv - | head                    positions per frame
   inbetween plan move.toml --frames 20..80 --csv -           a part of the move, its frames numbered as ever
-  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv)");
+  inbetween plan move.toml --rig rig.toml --per tick --csv ticks.csv
+  inbetween plan move.toml --rig rig.toml --trajectory move.h  a table that a microcontroller plays)");
 }
 
 }  // namespace

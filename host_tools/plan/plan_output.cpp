@@ -222,6 +222,10 @@ void write_tips(const Plan& plan, PlanRows rows, JsonWriter& json) {
 
 }  // namespace
 
+std::string hash_in_words(const MoveFile& move) {
+  return fmt::format("{:016x}", hash_of(move));
+}
+
 void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   const MoveFile& move = plan.move();
   JsonWriter json(file);
@@ -239,7 +243,7 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
     json.member("last", plan.part().last);
   }
   json.member("duration_s", plan.duration_s());
-  json.member("hash", fmt::format("{:016x}", hash_of(move)));
+  json.member("hash", hash_in_words(move));
   json.line();
   json.objects("tracks", move.tracks.size(),
                [&](std::size_t t) { write_track(move.tracks[t], plan.tracks()[t], plan.part(), json); });

@@ -3,12 +3,17 @@
 
 #include <cstddef>
 #include <cstdio>
+#include <string>
 #include <string_view>
 
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 
 namespace inbetween {
+
+/// The hash of everything that decides the motion, 16 hexadecimal digits. Two files that differ in comments
+/// or names only have the same.
+std::string hash_in_words(const MoveFile& move);
 
 /// Writes version 1 of the format. The axes' arrays have a value per row of `rows`; the tables of the tracks
 /// are always per frame. Axes in no track are left out, in the CSV and the picture too. Memory does not grow

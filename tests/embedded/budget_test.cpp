@@ -18,7 +18,7 @@ namespace {
 
 using Measured = std::map<std::string, double>;
 
-/// Of one kind ("instructions", "stack") on one target, by name.
+/// Of one kind ("instructions", "stack", "program") on one target, by name.
 Measured measured(const std::string& kind, const std::string& target) {
   std::ifstream file(in_build("tests/embedded/budget.txt"));
   Measured result;
@@ -65,6 +65,10 @@ TEST(Budget, EveryFunctionKeepsToItsInstructions) {
 
 TEST(Budget, EveryFunctionKeepsToItsStack) {
   expect_all_kept("stack", stack_limits());
+}
+
+TEST(Budget, EveryProgramKeepsToItsBytes) {
+  expect_all_kept("program", program_limits());
 }
 
 TEST(Budget, TheTickOfADriveIsAsQuickAsWasAskedFor) {

@@ -27,55 +27,29 @@ FloatFrameTime in_float(const FrameTime& time) {
   return fraction < 1 ? FloatFrameTime{time.frame, fraction} : FloatFrameTime{time.frame + 1, 0};
 }
 
-/// c[0] + c[1] w + ..., w from 0 to 1 between two places of a polynomial in u.
-HermitePolynomial between(const HermitePolynomial& whole, double from, double to) {
-  HermitePolynomial result = whole;
-  // Horner's rule again and again leaves the coefficients about another place (Knuth, The Art of Computer
-  // Programming, volume 2, section 4.6.4).
-  for (std::size_t i = 0; i + 1 < result.size(); ++i) {
-    for (std::size_t k = result.size() - 1; k-- > i;) result[k] += from * result[k + 1];
-  }
-  double power = 1;
-  for (double& c : result) {
-    c *= power;
-    power *= to - from;
-  }
-  return result;
-}
-
-HermitePolynomial septic_of(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
-  HermitePolynomial result{};
-  with_degree(piece.degree, [&](auto degree) {
-    result = position_polynomial<degree>(&trajectory.values()[piece.begin_row],
-                                         &trajectory.values()[piece.end_row], trajectory.axis_count(), axis,
-                                         piece.seconds);
-  });
-  return result;
-}
-
-double terms_of(const HermitePolynomial& c) {
+double terms_of(const PiecePolynomial& c) {
   double sum = 0;
   for (std::size_t i = 1; i < c.size(); ++i) sum += std::fabs(c[i]);
   return sum;
 }
 
 /// Chebyshev's polynomials of degree 7 and 6 on [0, 1], which are nowhere there above 1.
-constexpr HermitePolynomial chebyshev_7{-1, 98, -1568, 9408, -26880, 39424, -28672, 8192};
-constexpr HermitePolynomial chebyshev_6{1, -72, 840, -3584, 6912, -6144, 2048, 0};
+constexpr PiecePolynomial chebyshev_7{-1, 98, -1568, 9408, -26880, 39424, -28672, 8192};
+constexpr PiecePolynomial chebyshev_6{1, -72, 840, -3584, 6912, -6144, 2048, 0};
 
 /// The quintic that is nearest to a septic for a tick, which saves a sixth of its instructions; and how far
 /// it may be from it (economization; Lanczos, Applied Analysis, 1956, section 7-6).
 struct Economized {
-  HermitePolynomial c{};
+  PiecePolynomial c{};
   double dropped = 0;
 
-  explicit Economized(const HermitePolynomial& septic) : c(septic) {
+  explicit Economized(const PiecePolynomial& septic) : c(septic) {
     drop(7, chebyshev_7);
     drop(6, chebyshev_6);
   }
 
  private:
-  void drop(std::size_t degree, const HermitePolynomial& chebyshev) {
+  void drop(std::size_t degree, const PiecePolynomial& chebyshev) {
     const double share = c[degree] / chebyshev[degree];
     for (std::size_t i = 0; i < degree; ++i) c[i] -= share * chebyshev[i];
     c[degree] = 0;
@@ -97,16 +71,15 @@ Result<int> halvings_of(const Trajectory& trajectory, const TrajectoryPiece& pie
   for (std::size_t axis = 0; axis < trajectory.axis_count(); ++axis) {
     const double scale = std::fabs(counts_per_unit[axis]);
     const double begin = trajectory.values()[piece.begin_row + axis] * scale;
-    const HermitePolynomial whole = septic_of(trajectory, piece, axis);
+    const PiecePolynomial whole = way_on_piece(trajectory, piece, axis);
     if (!(std::fabs(begin) + terms_of(whole) * scale <= max_position))
       return not_playable("a position does not fit 32 bits of counts", axis);
     const auto is_small = [&] {
       const int parts = 1 << halvings;
       for (int part = 0; part < parts; ++part) {
         const double from = static_cast<double>(part) / parts;
-        const Economized part_of_it(between(whole, from, from + 1.0 / parts));
-        if (terms_of(part_of_it.c) * scale > max_terms || part_of_it.dropped * scale > max_dropped)
-          return false;
+        const Economized halved(part_of(whole, from, from + 1.0 / parts));
+        if (terms_of(halved.c) * scale > max_terms || halved.dropped * scale > max_dropped) return false;
       }
       return true;
     };
@@ -161,8 +134,8 @@ Error too_small(const Trajectory& trajectory, std::span<const double> counts_per
           .needed = needed ? static_cast<std::int64_t>(*needed) : -1};
 }
 
-CountPolynomial in_counts(const HermitePolynomial& septic, double begin, double counts_per_unit) {
-  const HermitePolynomial c = Economized(septic).c;
+CountPolynomial in_counts(const PiecePolynomial& septic, double begin, double counts_per_unit) {
+  const PiecePolynomial c = Economized(septic).c;
   const double exact = (begin + c[0]) * counts_per_unit;
   const double base = std::floor(exact + 0.5);
   CountPolynomial result;
@@ -199,7 +172,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     if (is_full()) return too_small(trajectory, counts_per_unit);
     memory.pieces[count].begin = in_float(stretch.begin);
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      const HermitePolynomial c = between(septic_of(trajectory, piece, axis), stretch.from, stretch.to);
+      const PiecePolynomial c = part_of(way_on_piece(trajectory, piece, axis), stretch.from, stretch.to);
       memory.polynomials[count * axes + axis] =
           in_counts(c, trajectory.values()[piece.begin_row + axis], counts_per_unit[axis]);
     }
@@ -213,12 +186,12 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
   const TrajectoryPiece& last = trajectory.pieces().back();
   const bool is_whole = trajectory.end() == trajectory.end_of(trajectory.pieces().size() - 1);
   for (std::size_t axis = 0; axis < axes; ++axis) {
-    HermitePolynomial rest{};
+    PiecePolynomial rest{};
     double position = trajectory.values()[last.end_row + axis];
     if (!is_whole) {
       const TrajectoryPiece& piece = trajectory.pieces()[trajectory.piece_at(trajectory.end())];
       const double u = frames_between(piece.begin, trajectory.end()) * piece.inverse_frames;
-      rest[0] = between(septic_of(trajectory, piece, axis), u, 1)[0];
+      rest[0] = part_of(way_on_piece(trajectory, piece, axis), u, 1)[0];
       position = trajectory.values()[piece.begin_row + axis];
     }
     memory.polynomials[count * axes + axis] = in_counts(rest, position, counts_per_unit[axis]);

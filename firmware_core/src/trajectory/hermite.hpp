@@ -20,11 +20,8 @@ struct HermiteWeights {
   std::array<double, 4> end{};
 };
 
-/// A polynomial in u, c[0] + c[1] u + ...
-using HermitePolynomial = std::array<double, 8>;
-
-constexpr HermitePolynomial multiplied(const HermitePolynomial& a, const HermitePolynomial& b) {
-  HermitePolynomial product{};
+constexpr PiecePolynomial multiplied(const PiecePolynomial& a, const PiecePolynomial& b) {
+  PiecePolynomial product{};
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t k = 0; i + k < a.size(); ++k) product[i + k] += a[i] * b[k];
   }
@@ -38,7 +35,7 @@ constexpr HermitePolynomial multiplied(const HermitePolynomial& a, const Hermite
 /// All coefficients are whole numbers over j!.
 template <std::size_t Known>
 struct HermiteBasis {
-  std::array<HermitePolynomial, Known> left{}, right{};
+  std::array<PiecePolynomial, Known> left{}, right{};
 
   constexpr HermiteBasis() {
     for (std::size_t j = 0; j < Known; ++j) {
@@ -51,10 +48,10 @@ struct HermiteBasis {
   }
 
  private:
-  static constexpr HermitePolynomial from_left(std::size_t j, const HermitePolynomial& u,
-                                               const HermitePolynomial& rest) {
-    HermitePolynomial sum{};
-    HermitePolynomial power{1};
+  static constexpr PiecePolynomial from_left(std::size_t j, const PiecePolynomial& u,
+                                             const PiecePolynomial& rest) {
+    PiecePolynomial sum{};
+    PiecePolynomial power{1};
     double binomial = 1;
     for (std::size_t m = 0; m + j < Known; ++m) {
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += binomial * power[i];
@@ -77,7 +74,7 @@ inline constexpr HermiteBasis<Known> hermite_basis{};
 
 /// A derivative of a polynomial at u, by Horner's rule.
 template <std::size_t Order>
-constexpr double derivative_at(const HermitePolynomial& c, double u) {
+constexpr double derivative_at(const PiecePolynomial& c, double u) {
   double sum = 0;
   for (std::size_t i = c.size(); i-- > Order;) {
     double factor = 1;
@@ -93,8 +90,8 @@ constexpr std::size_t known_of(std::size_t degree) {
 }
 
 /// The integral from 0 of a polynomial of degree 6 or less.
-constexpr HermitePolynomial integral_of(const HermitePolynomial& c) {
-  HermitePolynomial result{};
+constexpr PiecePolynomial integral_of(const PiecePolynomial& c) {
+  PiecePolynomial result{};
   for (std::size_t i = 0; i + 1 < c.size(); ++i) result[i + 1] = c[i] / static_cast<double>(i + 1);
   return result;
 }
@@ -102,11 +99,11 @@ constexpr HermitePolynomial integral_of(const HermitePolynomial& c) {
 /// The position of an axis on a piece less the one at its begin, as a polynomial in u. `begin` and `end` are
 /// its rows.
 template <std::size_t Degree>
-HermitePolynomial position_polynomial(const double* begin, const double* end, std::size_t axes,
-                                      std::size_t axis, double seconds) {
+PiecePolynomial position_polynomial(const double* begin, const double* end, std::size_t axes,
+                                    std::size_t axis, double seconds) {
   constexpr std::size_t first = Degree == 6 ? 1 : 0;
   constexpr auto& basis = hermite_basis<known_of(Degree) - first>;
-  HermitePolynomial sum{};
+  PiecePolynomial sum{};
   double scale = 1;
   for (std::size_t j = first; j < known_of(Degree); ++j) {
     // Both first ones add up to 1.

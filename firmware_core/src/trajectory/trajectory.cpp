@@ -195,4 +195,28 @@ double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piec
   return sum;
 }
 
+PiecePolynomial way_on_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
+  const PieceRows rows = rows_of(piece, trajectory.values(), trajectory.axis_count());
+  PiecePolynomial way{};
+  with_degree(piece.degree, [&](auto degree) {
+    way = position_polynomial<degree>(rows.begin, rows.end, rows.axes, axis, piece.seconds);
+  });
+  return way;
+}
+
+PiecePolynomial part_of(const PiecePolynomial& whole, double from, double to) {
+  PiecePolynomial part = whole;
+  // Horner's rule again and again leaves the coefficients about another place (Knuth, The Art of Computer
+  // Programming, volume 2, section 4.6.4).
+  for (std::size_t i = 0; i + 1 < part.size(); ++i) {
+    for (std::size_t k = part.size() - 1; k-- > i;) part[k] += from * part[k + 1];
+  }
+  double power = 1;
+  for (double& c : part) {
+    c *= power;
+    power *= to - from;
+  }
+  return part;
+}
+
 }  // namespace inbetween

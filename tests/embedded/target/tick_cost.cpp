@@ -13,6 +13,9 @@
 #include "tests/embedded/target/moves.hpp"
 #include "tests/embedded/target/played_move.hpp"
 #include "tests/embedded/target/solved_move.hpp"
+#ifdef INBETWEEN_TABLE
+#include "examples/firmware/table_player.h"
+#endif
 
 /// Counts the instructions of a tick. QEMU, started with -icount shift=0, lets a nanosecond pass with every
 /// instruction, so the board's clock, at 25 MHz, rises by one every 40 instructions. Every function is called
@@ -29,6 +32,9 @@ void tick_playhead(Playhead& playhead);
 void tick_trajectory(const Trajectory& trajectory, const FrameTime& time, double* out);
 void tick_trajectory_counts(CountTrajectory& counts, const FloatFrameTime& time, std::int32_t* out);
 void tick_nothing(const void* track, const void* time, std::int32_t* out);
+#ifdef INBETWEEN_TABLE
+void tick_player(inbetween_player& player, std::int32_t* out);
+#endif
 void known_loop(std::uint32_t turns);
 }
 
@@ -51,6 +57,13 @@ TICK tick_trajectory_counts(CountTrajectory& counts, const FloatFrameTime& time,
 TICK tick_nothing(const void*, const void*, std::int32_t*) {
   asm volatile("");
 }
+#ifdef INBETWEEN_TABLE
+TICK tick_player(inbetween_player& player, std::int32_t* out) {
+  std::array<double, 3> positions;
+  inbetween_tick(&player, positions.data());
+  for (std::size_t m = 0; m < 3; ++m) out[m] = inbetween_count(&player.table->motors[m], positions.data());
+}
+#endif
 #undef TICK
 
 /// Two instructions a turn.
@@ -240,6 +253,28 @@ bool measure_trajectory(const Track& track) {
   return true;
 }
 
+#ifdef INBETWEEN_TABLE
+/// A tick of examples/firmware/play_table.cpp, all of it but the sending: of a table of three axes, to its
+/// end.
+bool measure_player() {
+  const inbetween_trajectory& table = INBETWEEN_TABLE;
+  if (table.motor_count != 3 || table.position_count != 3) return false;
+  inbetween_player player;
+  inbetween_start(&player, &table, table.rate_hz);
+  std::array<std::int32_t, 3> out{};
+  const std::int64_t ticks = last_tick(table.last_frame - table.first_frame,
+                                       {table.fps_numerator, table.fps_denominator}, table.rate_hz);
+  const double all = instructions_of([&] {
+    for (std::int64_t tick = 0; tick < ticks; ++tick) tick_player(player, out.data());
+  });
+  const double overhead = instructions_of([&] {
+    for (std::int64_t tick = 0; tick < ticks; ++tick) tick_nothing(&player, nullptr, out.data());
+  });
+  print_line("play_table(tick)", (all - overhead) / static_cast<double>(ticks));
+  return true;
+}
+#endif
+
 SolvedMove solved_move;
 PlayedMove played_move;
 
@@ -266,6 +301,12 @@ bool run() {
     print("FAILED: the subject has no trajectory\n");
     return false;
   }
+#ifdef INBETWEEN_TABLE
+  if (!measure_player()) {
+    print("FAILED: the table has not three axes\n");
+    return false;
+  }
+#endif
   return measure_play(*track, played_move);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -141,5 +142,13 @@ class Trajectory {
 /// The value of an axis' derivative 0..3 at the begin or the end of a piece, one-sided. O(1).
 double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis,
                        std::size_t derivative, bool is_end);
+
+/// c[0] + c[1] u + ... + c[7] u^7.
+using PiecePolynomial = std::array<double, 8>;
+/// The way of an axis since the begin of a piece, as a polynomial in the u of the piece: c[0] is 0. Powers
+/// above the degree of the piece are 0. O(1).
+PiecePolynomial way_on_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis);
+/// The same polynomial between two places of its u, in a parameter that goes from 0 to 1 between them. O(1).
+PiecePolynomial part_of(const PiecePolynomial& whole, double from, double to);
 
 }  // namespace inbetween
