@@ -8,7 +8,7 @@ set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
 set(CMAKE_CXX_FLAGS_INIT
   # Of std::span by value GCC notes that it is passed otherwise than before GCC 7.1 (psabi). Beside every object a
   # .ci file says who calls whom with how much stack; scripts/measure-budget adds it up.
-  # The linker leaves out what is not called: a program in single precision has no double instantiations.
+  # The linker leaves out what is not called.
   "${INBETWEEN_CPU_FLAGS} -mthumb -ffunction-sections -fdata-sections -fno-exceptions -fno-rtti \
 -fno-threadsafe-statics -fno-use-cxa-atexit -Wno-psabi -fcallgraph-info=su")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-nostartfiles -Wl,--gc-sections -Wl,--fatal-warnings")

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# scripts/bootstrap against a made-up machine: its own apt sources, and stand-ins for apt-get, dpkg-query and
+# scripts/bootstrap against a made-up machine: its own apt sources, and stand-ins for apt-get, dpkg, dpkg-query and
 # sudo that write down how they were called. Nothing is installed and no server is asked.
 #
 #   bootstrap_test.sh BOOTSTRAP
@@ -94,8 +94,11 @@ mkdir "$stand_ins"
 # shellcheck disable=SC2016  # expanded when the stand-in runs
 printf '#!/bin/sh\necho "apt-get $*" >>"%s/calls"\n' "$scratch" >"$stand_ins/apt-get"
 # shellcheck disable=SC2016
+printf '#!/bin/sh\nif [ "$1" = --print-architecture ]; then echo amd64; else echo "dpkg $*" >>"%s/calls"; fi\n' "$scratch" \
+  >"$stand_ins/dpkg"
+# shellcheck disable=SC2016
 printf '#!/bin/sh\nexec "$@"\n' >"$stand_ins/sudo"
-chmod +x "$stand_ins/apt-get" "$stand_ins/sudo"
+chmod +x "$stand_ins"/{apt-get,dpkg,sudo}
 
 machine_with() { # machine_with PACKAGE..., as dpkg-query reports them
   {
@@ -120,6 +123,24 @@ machine_with "${editor_packages[@]}"
 for command in node npm; do ln --symbolic /bin/true "$stand_ins/$command"; done
 expect "the editor takes node and npm from wherever they are" "" "$(run_bootstrap editor)$(cat "$scratch/calls")"
 rm "$stand_ins"/{node,npm}
+
+machine_with "${arm64_packages[@]}"
+expect "a machine that has the libraries of 64-bit Arm is left alone too" "" "$(run_bootstrap arm64)$(cat "$scratch/calls")"
+
+# The libraries of this machine, as dpkg-query writes them, are not those of the other processor.
+machine_with "${arm64_packages[@]/%:arm64/:amd64}"
+foreign=()
+for package in "${arm64_packages[@]}"; do [[ $package != *:arm64 ]] || foreign+=("$package"); done
+expect "what is there for this processor is missing for the other" \
+  "scripts/bootstrap: installing ${foreign[*]}" "$(run_bootstrap arm64)"
+expect "dpkg is told of the processor before apt fetches its lists" \
+  "dpkg --add-architecture arm64
+apt-get --quiet --quiet update
+apt-get --quiet --quiet --option DPkg::Lock::Timeout=300 --option Dpkg::Use-Pty=0 install --yes --no-install-recommends ${foreign[*]}" \
+  "$(cat "$scratch/calls")"
+
+machine_with "libfmt-dev:arm64"
+expect "and the other way round" "libfmt-dev" "$(PATH=$stand_ins:$PATH missing_of libfmt-dev libfmt-dev:arm64)"
 
 machine_with "${demo_packages[@]}"
 expect "the packages that are missing are named" \
@@ -156,6 +177,13 @@ apt-get --quiet --quiet --option DPkg::Lock::Timeout=300 --option Dpkg::Use-Pty=
   "$(cat "$scratch/calls")"
 expect "which are added once" \
   "deb [$signed] http://mirror.example/debian/ bookworm-backports main" "$(added)"
+
+without=("${arm64_packages[@]}")
+for i in "${!without[@]}"; do [[ ${without[i]} != libgpiod-dev:arm64 ]] || without[i]="libgpiod-dev:arm64 1.6.3-1+b3"; done
+machine_with "${without[@]}"
+run_bootstrap arm64 >/dev/null
+expect "and for the other processor from there as well" \
+  "libgpiod-dev:arm64/bookworm-backports" "$(sed --quiet 's/.*--no-install-recommends //p' "$scratch/calls")"
 unset APT_CONFIG
 
 machine_with "${demo_packages[@]}"
@@ -175,6 +203,6 @@ E: told
 scripts/bootstrap: error: apt-get update failed; see above" "$(run_bootstrap)"
 
 expect "an unknown set is refused" \
-  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo, test or editor" "$(run_bootstrap dmeo)"
+  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo, test, editor or arm64" "$(run_bootstrap dmeo)"
 
 all_was_as_expected 'scripts/bootstrap: all as promised'
