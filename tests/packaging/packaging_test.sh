@@ -1,17 +1,27 @@
 #!/usr/bin/env bash
 # Installs the program, makes the Debian package, and tries what comes with it.
 #
-#   packaging_test.sh BUILD
+#   packaging_test.sh BUILD [ARCHITECTURE EMULATOR]      of another processor, as Debian calls it, and what runs its programs
 set -euo pipefail
 # shellcheck source=tests/support/expect.sh
 source "${BASH_SOURCE[0]%/*}/../support/expect.sh"
 
 build=$(realpath "$1")
+architecture=${2:-$(dpkg --print-architecture)}
+emulator=${3:-}
+root=$PWD
 scratch=$(mktemp --directory)
 trap 'rm --recursive --force "$scratch"' EXIT
 
 cmake --install "$build" --prefix "$scratch/usr" >"$scratch/said" || { cat "$scratch/said"; exit 1; }
-PATH=$scratch/usr/bin:$PATH
+if [[ -n $emulator ]]; then
+  mkdir "$scratch/run"
+  printf '#!/bin/sh\nexec %s %s "$@"\n' "$emulator" "$scratch/usr/bin/inbetween" >"$scratch/run/inbetween"
+  chmod +x "$scratch/run/inbetween"
+  PATH=$scratch/run:$PATH
+else
+  PATH=$scratch/usr/bin:$PATH
+fi
 commands=$(inbetween --help | sed --quiet '/^Subcommands:/,/^$/s/^  \([a-z-]*\) .*/\1/p')
 
 # --- the start ---
@@ -47,13 +57,34 @@ for shell in in_bash in_zsh; do
 done
 
 # --- the Debian package ---
-(cd "$build" && cpack -G DEB -B "$scratch" >"$scratch/said" 2>&1) || { cat "$scratch/said"; exit 1; }
-package=$(echo "$scratch"/inbetween_*.deb)
+umask 077  # of somebody who shares nothing
+make_package() { # make_package FOLDER
+  (cd "$build" && cpack -G DEB -B "$1" >"$scratch/said" 2>&1) || { cat "$scratch/said"; exit 1; }
+}
+make_package "$scratch/first"
+package=$(echo "$scratch"/first/inbetween_*.deb)
+expect "it is for the processor that the program was built for" "$architecture" "$(dpkg-deb --field "$package" Architecture)"
 expect "what it depends on is found out" 1 "$(dpkg-deb --field "$package" Depends | grep --count libgpiod)"
 dpkg-deb --contents "$package" >"$scratch/contents"
 for file in bin/inbetween share/man/man1/inbetween-run.1 share/doc/inbetween/examples/reveal.toml \
   share/bash-completion/completions/inbetween share/zsh/site-functions/_inbetween; do
   expect "the package has $file" 1 "$(grep --count " ./usr/$file\$" "$scratch/contents")"
+done
+
+expect "everybody may look into its folders and files" '' "$(grep --invert-match '^.r..r..r.. \|^drwxr-xr-x ' "$scratch/contents" || true)"
+
+# --- the same bytes at another time and place ---
+(
+  export TZ=Asia/Tokyo LC_ALL=C
+  SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+  export SOURCE_DATE_EPOCH
+  make_package "$scratch/second"
+)
+expect "its files carry the time of the commit" \
+  "$(sha256sum <"$package")" "$(sha256sum <"$scratch/second/${package##*/}")"
+for program in inbetween inbetween-edit; do
+  expect "$program does not say where it was built" 0 \
+    "$(grep --count --text --fixed-strings "$root" "$scratch/usr/bin/$program")"
 done
 
 all_was_as_expected 'what is installed works'
