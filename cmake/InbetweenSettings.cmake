@@ -34,8 +34,8 @@ target_compile_options(inbetween_settings INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # In a batch (Batches.cmake) GCC takes the unnamed namespace of a source file for that of a header.
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
-  # The same move gives the same bits on x86-64, arm64 and Cortex-M only if no compiler fuses a
-  # multiplication with an addition on its own account.
+  # The same move gives the same bits on x86-64, arm64, RISC-V and Cortex-M only if no compiler fuses
+  # a multiplication with an addition on its own account, as GCC would on all but the first.
   -ffp-contract=off)
 # For x86-64 in general GCC copies a structure in halves of a wide register, and who reads the whole of it waits until
 # both are in memory; and it clears and copies some hundred bytes with an instruction that is slow to begin (stop bounds
