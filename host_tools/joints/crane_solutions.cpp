@@ -131,7 +131,7 @@ std::optional<CraneSolutions> CraneSolutions::find(const Kinematics& kinematics,
   const Vector3& lens = found.camera_.rotation.x;
   found.head_ = {parts->head[0].axis, parts->head[1].axis, found.has_roll_ ? parts->head[2].axis : lens};
   // Without a roll, or without a crane that brings the camera to its place, the lens looks from the centre.
-  const bool looks_from_centre = std::hypot(found.mount_.y, found.mount_.z) < crane_rounding;
+  const bool looks_from_centre = hypotenuse(found.mount_.y, found.mount_.z) < crane_rounding;
   if ((!found.has_roll_ || !parts->crane) && !looks_from_centre) return std::nullopt;
   if (!found.has_roll_ && !is_square(lens, found.head_.tilt)) return std::nullopt;
   if (!parts->crane) return found;

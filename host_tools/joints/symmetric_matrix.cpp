@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "host_tools/joints/vector_length.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -16,8 +18,8 @@ constexpr int max_sweeps = 50;
 /// Turns rows and columns p and q so that the element (p, q) vanishes.
 void rotate(Matrix& a, Matrix& vectors, std::size_t p, std::size_t q) {
   const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-  const double tangent = std::copysign(1.0, theta) / (std::fabs(theta) + std::hypot(theta, 1.0));
-  const double cosine = 1 / std::hypot(tangent, 1.0);
+  const double tangent = std::copysign(1.0, theta) / (std::fabs(theta) + hypotenuse(theta, 1.0));
+  const double cosine = 1 / hypotenuse(tangent, 1.0);
   const double sine = tangent * cosine;
   const auto turn = [&](double& x, double& y) {
     const double before = x;

@@ -52,7 +52,7 @@ Jet jet_of(std::span<const Cubic> xyz) {
   Jet result{};
   for (const Cubic& c : xyz) {
     const Jet one = jet_of(c);
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = std::hypot(result[i], one[i]);
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = hypotenuse(result[i], one[i]);
   }
   return result;
 }

@@ -325,7 +325,7 @@ TipSolver::Freedom TipSolver::freedom(const TipTarget& target, const std::vector
   for (std::size_t k = 0; k < eigen.values.size() && k < rank; ++k) {
     const double share = largest > 0 ? std::sqrt(std::max(eigen.values[k], 0.0) / largest) : 0;
     if (k == 0 || result.smallest > no_rank) weak.assign(axes_.size(), 0);
-    for (std::size_t i = 0; i < weak.size(); ++i) weak[i] = std::hypot(weak[i], eigen.vectors[k][i]);
+    for (std::size_t i = 0; i < weak.size(); ++i) weak[i] = hypotenuse(weak[i], eigen.vectors[k][i]);
     result.smallest = share;
     if (share > no_rank) result.rank = k + 1;
   }
@@ -385,7 +385,7 @@ TipSolution TipSolver::solve_arm(const Vector3& position, const std::vector<doub
   TipSolution solution{.positions = seed};
   const auto angles = arm_angles(arm_->links, x, y, elbow_);
   if (!angles) {
-    solution.miss_m = std::fabs(beyond_reach(arm_->links, std::hypot(x, y)));
+    solution.miss_m = std::fabs(beyond_reach(arm_->links, hypotenuse(x, y)));
     if (solution.miss_m == 0) solution.miss_rad = std::numbers::pi;  // any direction of the shoulder is one
     return solution;
   }
@@ -428,7 +428,7 @@ std::optional<TipSolution> TipSolver::solve_crane(const TipTarget& target, const
 
 double TipSolver::distance(const std::vector<double>& a, const std::vector<double>& b) const {
   double sum = 0;
-  for (std::size_t i = 0; i < axes_.size(); ++i) sum = std::hypot(sum, (a[i] - b[i]) * scales_[i]);
+  for (std::size_t i = 0; i < axes_.size(); ++i) sum = hypotenuse(sum, (a[i] - b[i]) * scales_[i]);
   return sum;
 }
 

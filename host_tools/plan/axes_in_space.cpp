@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "host_tools/joints/vector_length.hpp"
 #include "host_tools/plan/frame_of_distance.hpp"
 
 namespace inbetween {
@@ -29,7 +30,7 @@ double rough_length(const Path& path, const std::vector<std::size_t>& rows) {
       double chord = 0;
       for (const std::size_t row : rows) {
         const Cubic& c = path.segment(i)[row];
-        chord = std::hypot(chord, c.value((k + 1.0) / chords_between_keys) -
+        chord = hypotenuse(chord, c.value((k + 1.0) / chords_between_keys) -
                                       c.value(k / static_cast<double>(chords_between_keys)));
       }
       sum += chord;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "host_tools/joints/vector_length.hpp"
 #include "host_tools/plan/row_spline.hpp"
 
 namespace inbetween {
@@ -98,7 +99,7 @@ class Construction {
     if (!is_smooth_) return 1;
     double chord = 0;
     for (std::size_t d = 0; d < here.size(); ++d) {
-      chord = std::hypot(chord, drawn_.weights()[d] * (next[d].c0 - here[d].c0));
+      chord = hypotenuse(chord, drawn_.weights()[d] * (next[d].c0 - here[d].c0));
     }
     return std::sqrt(chord);
   }

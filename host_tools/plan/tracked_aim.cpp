@@ -84,8 +84,8 @@ class Tracking {
     const TrackBounds bounds = bounds_of(drawn);
     if (bounds.steps) refuse_steps();
     for (const std::size_t row : axes_.rows().at) {
-      max_speed_ = std::hypot(max_speed_, bounds.peaks[row].velocity.value);
-      max_jerk_ = std::hypot(max_jerk_, bounds.peaks[row].jerk.value);
+      max_speed_ = hypotenuse(max_speed_, bounds.peaks[row].velocity.value);
+      max_jerk_ = hypotenuse(max_jerk_, bounds.peaks[row].jerk.value);
     }
     way_ = std::max(way_share * drawn.arc_length().total(), way_share * no_way);
     find_key_frames();

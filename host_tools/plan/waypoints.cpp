@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "host_tools/joints/vector_length.hpp"
 #include "inbetween/path/standstills.hpp"
 
 namespace inbetween {
@@ -18,7 +19,7 @@ using Direction = std::vector<double>;
 
 double length_of(const Direction& v) {
   double sum = 0;
-  for (const double x : v) sum = std::hypot(sum, x);
+  for (const double x : v) sum = hypotenuse(sum, x);
   return sum;
 }
 
