@@ -159,10 +159,12 @@ void run_sim_drives(const RigFile& of, const SimDrivesOptions& options) {
   }
   buses.for_each([&](auto& bus) { open_bus_of(rig, bus.name, bus.heard, bus.socket); });
   if (options.ready) options.ready();
+  std::int64_t now_ns = clock.now_ns();
   while (!options.interrupted()) {
-    clock.sleep_until_ns(clock.now_ns() + ns_between_looks);
-    faults.advance(clock.now_ns());
-    buses.for_each([&](auto& bus) { serve(bus, clock.now_ns()); });
+    clock.sleep_until_ns(now_ns + ns_between_looks);
+    now_ns = clock.now_ns();
+    faults.advance(now_ns);
+    buses.for_each([&](auto& bus) { serve(bus, now_ns); });
     if (options.record != nullptr) write_record(buses, options.record);
   }
   if (options.record != nullptr) write_end(buses, faults, rig, options.record);
