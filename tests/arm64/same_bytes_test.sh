@@ -59,6 +59,7 @@ with_a_rig() {
   for move in $(moves_in "${rig%/*}" 1); do
     same plan "$move" --rig "$rig" --per tick --csv written/ticks.csv --json written/ticks.json || continue
     must plan "$move" --rig "$rig" --csv written/frames.csv --json written/frames.json
+    same plan "$move" --rig "$rig" --trajectory written/table.h || true  # not of an axis that takes up its backlash
     must check "$move" --rig "$rig" --json written/check.json
     must run "$move" --rig "$rig" --sim --fast --record written/record.csv --json written/run.json
     moves=$((moves + 1))
