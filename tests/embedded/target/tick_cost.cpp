@@ -31,6 +31,7 @@ void tick_motion(const Track& track, const FrameTime& time, AxisMotion* out);
 void tick_playhead(Playhead& playhead);
 void tick_trajectory(const Trajectory& trajectory, const FrameTime& time, double* out);
 void tick_trajectory_counts(CountTrajectory& counts, const FloatFrameTime& time, std::int32_t* out);
+void tick_solved(CountTrajectory& counts, const std::int32_t& tick, std::int32_t* out);
 void tick_nothing(const void* track, const void* time, std::int32_t* out);
 #ifdef INBETWEEN_TABLE
 void tick_player(inbetween_player& player, std::int32_t* out);
@@ -53,6 +54,10 @@ TICK tick_trajectory(const Trajectory& trajectory, const FrameTime& time, double
 }
 TICK tick_trajectory_counts(CountTrajectory& counts, const FloatFrameTime& time, std::int32_t* out) {
   counts.counts(time, std::span(out, 3));
+}
+/// A tick of examples/firmware/reveal.cpp, all of it but the sending.
+TICK tick_solved(CountTrajectory& counts, const std::int32_t& tick, std::int32_t* out) {
+  counts.counts(frame_time_of_tick<float>(tick, {24, 1}, 250), std::span(out, 3));
 }
 TICK tick_nothing(const void*, const void*, std::int32_t*) {
   asm volatile("");
@@ -250,6 +255,13 @@ bool measure_trajectory(const Track& track) {
   measure<FloatFrameTime>("CountTrajectory::counts", tick_trajectory_counts, *counts, out.data());
   measure_longest<FloatFrameTime>("CountTrajectory::counts(longest)", tick_trajectory_counts, *counts,
                                   out.data());
+  const double all = instructions_of([&] {
+    for (std::int32_t tick = 0; tick < tick_count; ++tick) tick_solved(*counts, tick, out.data());
+  });
+  const double overhead = instructions_of([&] {
+    for (std::int32_t tick = 0; tick < tick_count; ++tick) tick_nothing(&counts, &tick, out.data());
+  });
+  print_line("reveal_firmware(tick)", (all - overhead) / tick_count);
   return true;
 }
 
