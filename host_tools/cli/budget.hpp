@@ -75,9 +75,9 @@ std::span<const FunctionBudget> stack_limits();
 /// solves it, play_table has it as a table. Bytes of flash (code and constants), of RAM (without the stack),
 /// and of stack.
 std::span<const FunctionBudget> program_limits();
-/// Instructions for three axes: for a tick, and for the time of a tick's number; of a program all that it does
-/// in a tick but for the sending. Once per move of 8 keys and 7 control values: for solving it (solve: path to
-/// track), for cutting it into counts, and for bounding its stops.
+/// Instructions for three axes: for a tick, and for the time of a tick's number; of a program all that it
+/// does in a tick but for the sending. Once per move of 8 keys and 7 control values: for solving it (solve:
+/// path to track), for cutting it into counts, and for bounding its stops.
 std::span<const FunctionBudget> instruction_limits();
 
 /// The frames and the worst-case load of a CAN bus with a CiA 402 drive for each axis.
