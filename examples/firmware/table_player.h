@@ -4,11 +4,11 @@
  *   #include "table_player.h"
  *
  *   inbetween_player player;
- *   inbetween_start(&player, &move, 1000);
+ *   inbetween_start(&player, &move_table, 1000);
  *   every 1/1000 s:
  *     if (button) inbetween_stop_playing(&player);
  *     inbetween_tick(&player, positions);
- *     for each motor m: send inbetween_count(&move.motors[m], positions);
+ *     for each motor m: send inbetween_count(&move_table.motors[m], positions);
  *
  * Compile without contraction (gcc, clang: -ffp-contract=off), and positions have the same bits on every processor:
  * those of `inbetween plan --per tick` but for some 1e-15 of the way of a piece, and the counts are those of

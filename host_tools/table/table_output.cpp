@@ -189,11 +189,12 @@ void write_table_header(const TrajectoryTable& table, std::string_view name, std
     stops.push_back(fmt::format("{{{}, {}}}", number_of(stop.jerk_s), number_of(stop.steady_s)));
   write_list(stops, 2, file);
   fmt::print(file,
-             "}};\n\nstatic const inbetween_trajectory {0} = {{\n"
+             "}};\n\nstatic const inbetween_trajectory {0}_table = {{\n"
              "  \"{1}\", \"{2}\", {3}, {4}, {5}, {6}, {7},\n"
              "  {8}u, {9}u, {10}u, {11}u, {0}_motors, {0}_groups, {0}_stops,\n}};\n"
-             "\n/* Whoever includes this may leave {0} unused without a warning. */\n"
-             "static inline const inbetween_trajectory* {0}_table(void) {{\n  return &{0};\n}}\n\n#endif\n",
+             "\n/* Whoever includes this may leave {0}_table unused without a warning. */\n"
+             "static inline const inbetween_trajectory* {0}_trajectory(void) {{\n  return "
+             "&{0}_table;\n}}\n\n#endif\n",
              name, in_comment(table.name), table.hash, table.fps.numerator, table.fps.denominator,
              table.rate_hz, table.first_frame, table.last_frame, table.position_count, table.motors.size(),
              table.groups.size(), table.stops.size());

@@ -16,8 +16,9 @@ void write_table_json(const TrajectoryTable& table, std::FILE* file);
 /// name of C (table_name_of). Numbers read back exactly.
 void write_table_header(const TrajectoryTable& table, std::string_view name, std::FILE* file);
 
-/// The name of what the header in a file defines: that of the file without folder and ending, with '_' for
-/// what a name of C cannot have, and in front of a digit.
+/// The beginning of the names that the header in a file defines: the file's name without folder and ending,
+/// with '_' for what a name of C cannot have, and in front of a digit. The table is NAME_table, since NAME
+/// alone may be a word of C.
 std::string table_name_of(const std::string& file);
 
 }  // namespace inbetween

@@ -1,7 +1,7 @@
 /* Plays a whole table as a controller would: a line a tick, "COUNT... POSITION...", of every motor and every position.
  * With an argument the button is pressed on that tick.
  *
- *   cc -std=c99 -Wall -Wextra -Werror -ffp-contract=off -include move.h -D TABLE=move play_all.c -lm */
+ *   cc -std=c99 -Wall -Wextra -Werror -ffp-contract=off -include move.h -D TABLE=move_table play_all.c -lm */
 #include "examples/firmware/table_player.h"
 
 #include <stdio.h>

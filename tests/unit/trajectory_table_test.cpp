@@ -172,16 +172,16 @@ TEST(TrajectoryTable, SaysWhatItWroteAndNamesWhatTheHeaderDefinesAfterItsFile) {
   const ProgramRun run = plan_table(examples + "reveal.toml", examples + "camera_rig.toml", file);
   EXPECT_THAT(run.out,
               HasSubstr(file + ": 35 pieces of 3 motors, and a stop for each of 192 places, which takes"));
-  EXPECT_THAT(file_contents(file), HasSubstr("static const inbetween_trajectory fly_in = {"));
+  EXPECT_THAT(file_contents(file), HasSubstr("static const inbetween_trajectory fly_in_table = {"));
 }
 
-TEST(TrajectoryTable, TextOfAMoveEndsNoCommentAndNoString) {
+TEST(TrajectoryTable, TextOfAMoveEndsNoCommentAndNoStringAndItsFileMayBeCalledAsAWordOfC) {
   const std::string text = file_contents(examples + "reveal.toml");
   const std::size_t name = text.find("name");
   const TemporaryFile move("move.toml",
                            "name = \"a */ int x; \\\\\\\" ?\?/\"\n" + text.substr(text.find('\n', name)));
   const TemporaryFolder folder;
-  const std::string file = folder.path() / "move.h";
+  const std::string file = folder.path() / "int.h";
   const ProgramRun run = plan_table(move.path(), examples + "camera_rig.toml", file);
   ASSERT_EQ(run.status, 0) << run.err;
   const ProgramRun compiled = run_command(
