@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <string_view>
 
-/// What a program on a bare controller asks of its board. board_mps2.cpp and button_mps2.cpp answer for Arm's
-/// MPS2 boards, which QEMU has; for another board write them and a linker script anew.
+/// A program on a bare controller asks these of its board. board_mps2.cpp and button_mps2.cpp answer for
+/// Arm's MPS2 boards, which QEMU has; for another board write them and a linker script anew.
 
 namespace inbetween::board {
 

@@ -9,7 +9,7 @@
 
 namespace inbetween::board {
 
-/// Where positions go. Here as lines of text; a drive on a bus is another class with the same function.
+/// This sends positions as lines of text. A drive on a bus is another class with the same function.
 class LineSink {
  public:
   void set_positions(std::int64_t tick, std::span<const std::int32_t> counts) {

@@ -46,8 +46,9 @@ void describe(CLI::App& app, BudgetCapacity& capacity) {
 capacity (the same on every processor); the worst stack of every public function on two microcontrollers,
 added up from what the compiler says; the instructions that a tick of three axes takes there, counted in an
 emulator; the bytes of two programs for these, one that solves a move and one that plays a table of
-`inbetween plan --trajectory`. These three are limits, which the tests of the project hold. The last is the load of a CAN bus with a
-CiA 402 drive for each axis: the bits of its cyclic frames, with all the stuffing bits that there can be.
+`inbetween plan --trajectory`. These three are limits, which the tests of the project hold. The last is the
+load of a CAN bus with a CiA 402 drive for each axis: the bits of its cyclic frames, with all the stuffing
+bits that there can be.
 
 Examples:
   inbetween budget                                           8 keys, 3 axes, 240 frames

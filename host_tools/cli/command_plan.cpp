@@ -95,15 +95,12 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
   print_rolls(plan, out);
 }
 
-bool ends_with(const std::optional<std::string>& name, std::string_view ending) {
-  return name && name->ends_with(ending);
-}
-
 void check_table_usage(const PlanArguments& arguments) {
   if (!arguments.trajectory) return;
-  if (!ends_with(arguments.trajectory, ".json") && !ends_with(arguments.trajectory, ".h")) {
-    throw UsageError(fmt::format("--trajectory {}: the name must end in .json, or in .h for a C header",
-                                 *arguments.trajectory));
+  const std::string& name = *arguments.trajectory;
+  if (!name.ends_with(".json") && !name.ends_with(".h")) {
+    throw UsageError(
+        fmt::format("--trajectory {}: the name must end in .json, or in .h for a C header", name));
   }
   if (!arguments.rig) {
     throw UsageError("--trajectory needs --rig RIG, whose limits say how the move is stopped");

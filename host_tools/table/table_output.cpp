@@ -22,7 +22,7 @@ std::string number_of(double value) {
   return text;
 }
 
-/// What C and C++ take for a comment's end, for a quotation mark and for the end of a line is none of it.
+/// No name of a move may end a comment, a text or a line of C: the characters that could are replaced.
 std::string in_comment(std::string_view text) {
   std::string safe;
   for (const char c : text) {
@@ -33,12 +33,23 @@ std::string in_comment(std::string_view text) {
   return safe;
 }
 
-/// The list of an array: numbers, so many a line.
-void write_list(std::span<const std::string> items, std::size_t per_line, std::FILE* file) {
+/// Writes the items of an array, so many a line.
+void write_items(std::span<const std::string> items, std::size_t per_line, std::FILE* file) {
   for (std::size_t i = 0; i < items.size(); i += per_line) {
     const std::span<const std::string> line = items.subspan(i, std::min(per_line, items.size() - i));
     fmt::print(file, "  {},\n", fmt::join(line, ", "));
   }
+}
+
+/// Writes an array of that type and name, `text_of` each of `values`.
+template <class Values, class TextOf>
+void write_array(std::string_view type, const std::string& name, const Values& values, std::size_t per_line,
+                 const TextOf& text_of, std::FILE* file) {
+  std::vector<std::string> items(values.size());
+  std::ranges::transform(values, items.begin(), text_of);
+  fmt::print(file, "\nstatic const {} {}[] = {{\n", type, name);
+  write_items(items, per_line, file);
+  fmt::print(file, "}};\n");
 }
 
 constexpr std::string_view types = R"(#ifndef INBETWEEN_TRAJECTORY
@@ -105,50 +116,40 @@ typedef struct inbetween_trajectory {
 #endif
 )";
 
-void write_group(const TableGroup& group, std::string_view name, std::size_t number, std::FILE* file) {
-  const auto head = [&](std::string_view type, std::string_view what) {
-    fmt::print(file, "\nstatic const {} {}_{}_{}[] = {{\n", type, name, what, number);
-  };
-  std::vector<std::string> items;
+/// Writes the coefficients of a group, those of a position on a piece a line.
+void write_coefficients(const TableGroup& group, const std::string& name, std::FILE* file) {
+  fmt::print(file, "\nstatic const double {}[] = {{\n", name);
   for (const TablePiece& piece : group.pieces) {
-    items.push_back(fmt::format("{{{}, {}, {}, {}, {}u}}", piece.begin.frame, piece.degree,
-                                number_of(piece.begin.fraction), number_of(piece.per_frame), piece.first));
-  }
-  head("inbetween_piece", "pieces");
-  write_list(items, 1, file);
-  fmt::print(file, "}};\n");
-  head("double", "coefficients");
-  for (const TablePiece& piece : group.pieces) {
+    std::vector<std::string> items(static_cast<std::size_t>(piece.degree) + 1);
     for (std::size_t i = 0; i < group.positions.size(); ++i) {
-      const auto size = static_cast<std::size_t>(piece.degree) + 1;
-      items.clear();
-      for (std::size_t power = 0; power < size; ++power)
-        items.push_back(number_of(group.coefficients[piece.first + i * size + power]));
-      write_list(items, items.size(), file);
+      const auto own = std::span(group.coefficients).subspan(piece.first + i * items.size(), items.size());
+      std::ranges::transform(own, items.begin(), number_of);
+      write_items(items, items.size(), file);
     }
   }
   fmt::print(file, "}};\n");
-  items.clear();
-  for (const double end : group.end) items.push_back(number_of(end));
-  head("double", "end");
-  write_list(items, 4, file);
-  fmt::print(file, "}};\n");
-  items.clear();
-  for (const std::size_t position : group.positions) items.push_back(fmt::format("{}", position));
-  head("uint16_t", "positions");
-  write_list(items, 16, file);
-  fmt::print(file, "}};\n");
+}
+
+void write_group(const TableGroup& group, std::string_view name, std::size_t number, std::FILE* file) {
+  const auto named = [&](std::string_view what) { return fmt::format("{}_{}_{}", name, what, number); };
+  const auto piece_text = [](const TablePiece& piece) {
+    return fmt::format("{{{}, {}, {}, {}, {}u}}", piece.begin.frame, piece.degree,
+                       number_of(piece.begin.fraction), number_of(piece.per_frame), piece.first);
+  };
+  write_array("inbetween_piece", named("pieces"), group.pieces, 1, piece_text, file);
+  write_coefficients(group, named("coefficients"), file);
+  write_array("double", named("end"), group.end, 4, number_of, file);
+  const auto position_text = [](std::size_t position) { return fmt::format("{}", position); };
+  write_array("uint16_t", named("positions"), group.positions, 16, position_text, file);
 }
 
 void write_groups(const TrajectoryTable& table, std::string_view name, std::FILE* file) {
   for (std::size_t i = 0; i < table.groups.size(); ++i) write_group(table.groups[i], name, i, file);
-  fmt::print(file, "\nstatic const inbetween_group {}_groups[] = {{\n", name);
-  for (std::size_t i = 0; i < table.groups.size(); ++i) {
-    fmt::print(file,
-               "  {{{0}_pieces_{1}, {0}_coefficients_{1}, {0}_end_{1}, {0}_positions_{1}, {2}u, {3}u}},\n",
-               name, i, table.groups[i].pieces.size(), table.groups[i].positions.size());
-  }
-  fmt::print(file, "}};\n");
+  const auto group_text = [&](const TableGroup& group) {
+    return fmt::format("{{{0}_pieces_{1}, {0}_coefficients_{1}, {0}_end_{1}, {0}_positions_{1}, {2}u, {3}u}}",
+                       name, &group - table.groups.data(), group.pieces.size(), group.positions.size());
+  };
+  write_array("inbetween_group", fmt::format("{}_groups", name), table.groups, 1, group_text, file);
 }
 
 }  // namespace
@@ -177,19 +178,18 @@ void write_table_header(const TrajectoryTable& table, std::string_view name, std
              "#ifndef INBETWEEN_TABLE_{}\n#define INBETWEEN_TABLE_{}\n\n#include <stdint.h>\n\n{}",
              in_comment(table.name), in_comment(table.rig), guard, guard, types);
   write_groups(table, name, file);
-  fmt::print(file, "\nstatic const inbetween_motor {}_motors[] = {{\n", name);
-  for (const TableMotor& motor : table.motors) {
-    fmt::print(file, "  {{\"{}\", \"{}\", \"{}\", {}u, {}, {}, {}}},\n", in_comment(motor.name), motor.unit,
-               motor.drive_unit, motor.position, number_of(motor.offset), number_of(motor.scale),
-               number_of(motor.zero));
-  }
-  fmt::print(file, "}};\n\nstatic const inbetween_stop {}_stops[] = {{\n", name);
-  std::vector<std::string> stops;
-  for (const TableStop& stop : table.stops)
-    stops.push_back(fmt::format("{{{}, {}}}", number_of(stop.jerk_s), number_of(stop.steady_s)));
-  write_list(stops, 2, file);
+  const auto motor_text = [](const TableMotor& motor) {
+    return fmt::format("{{\"{}\", \"{}\", \"{}\", {}u, {}, {}, {}}}", in_comment(motor.name), motor.unit,
+                       motor.drive_unit, motor.position, number_of(motor.offset), number_of(motor.scale),
+                       number_of(motor.zero));
+  };
+  write_array("inbetween_motor", fmt::format("{}_motors", name), table.motors, 1, motor_text, file);
+  const auto stop_text = [](const TableStop& stop) {
+    return fmt::format("{{{}, {}}}", number_of(stop.jerk_s), number_of(stop.steady_s));
+  };
+  write_array("inbetween_stop", fmt::format("{}_stops", name), table.stops, 2, stop_text, file);
   fmt::print(file,
-             "}};\n\nstatic const inbetween_trajectory {0}_table = {{\n"
+             "\nstatic const inbetween_trajectory {0}_table = {{\n"
              "  \"{1}\", \"{2}\", {3}, {4}, {5}, {6}, {7},\n"
              "  {8}u, {9}u, {10}u, {11}u, {0}_motors, {0}_groups, {0}_stops,\n}};\n"
              "\n/* Whoever includes this may leave {0}_table unused without a warning. */\n"

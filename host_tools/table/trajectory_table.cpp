@@ -27,18 +27,11 @@ struct DriveScale {
 };
 
 DriveScale scale_of(const Drive& drive) {
-  struct Scale {
-    DriveScale operator()(const Cia402Drive& its) const { return {"counts", its.counts_per_unit}; }
-    DriveScale operator()(const StepDirDrive& its) const { return {"steps", its.steps_per_unit}; }
-    DriveScale operator()(const PipeDrive& its) const {
-      return {"counts", its.counts_per_unit, its.count_at_zero};
-    }
-    DriveScale operator()(const OdriveDrive& its) const { return {"turns", its.turns_per_unit}; }
-    DriveScale operator()(const MoteusDrive& its) const { return {"turns", its.turns_per_unit}; }
-    DriveScale operator()(const RmdDrive& its) const { return {"turns", its.turns_per_unit}; }
-    DriveScale operator()(const CubemarsDrive& its) const { return {"turns", its.turns_per_unit}; }
-  };
-  return std::visit(Scale{}, drive);
+  if (const std::optional<double> turns = turns_per_unit_of(drive)) return {"turns", *turns};
+  if (const auto* steps = std::get_if<StepDirDrive>(&drive)) return {"steps", steps->steps_per_unit};
+  if (const auto* pipe = std::get_if<PipeDrive>(&drive))
+    return {"counts", pipe->counts_per_unit, pipe->count_at_zero};
+  return {"counts", std::get<Cia402Drive>(drive).counts_per_unit};
 }
 
 /// Every position is that of an axis of the move, or of its motor where it has a calibration.
@@ -81,7 +74,7 @@ class GroupWriter {
     group_.positions = std::move(positions);
   }
 
-  /// Of `trajectory`, from one time to another.
+  /// Adds what a trajectory does from one time to another.
   void add(const Trajectory& trajectory, const FrameTime& begin, const FrameTime& end) {
     for (std::size_t i = trajectory.piece_at(begin); i < trajectory.pieces().size(); ++i) {
       const TrajectoryPiece& piece = trajectory.pieces()[i];
@@ -89,11 +82,11 @@ class GroupWriter {
       const auto u_of = [&](const FrameTime& time) {
         return frames_between(piece.begin, time) * piece.inverse_frames;
       };
+      const FrameTime first = std::max(piece.begin, begin);
+      const FrameTime last = std::min(trajectory.end_of(i), end);
       const double from = piece.begin < begin ? u_of(begin) : 0;
       const double to = end < trajectory.end_of(i) ? u_of(end) : 1;
-      const FrameTime first = piece.begin < begin ? begin : piece.begin;
       const bool is_whole = from == 0 && to == 1;
-      const FrameTime last = end < trajectory.end_of(i) ? end : trajectory.end_of(i);
       const double per_frame = is_whole ? piece.inverse_frames : 1 / frames_between(first, last);
       add_piece(first, per_frame, [&](std::size_t axis) {
         const PiecePolynomial way = way_on_piece(trajectory, piece, axis);
@@ -104,7 +97,10 @@ class GroupWriter {
     }
   }
 
-  /// The positions at rest, as what plays has them to the last bit.
+  /// Adds the whole of a trajectory.
+  void add(const Trajectory& trajectory) { add(trajectory, trajectory.begin(), trajectory.end()); }
+
+  /// Ends the group with the positions at rest, which are those of what plays to the last bit.
   TableGroup finish(std::vector<double> end) {
     group_.end = std::move(end);
     return std::move(group_);
@@ -150,7 +146,7 @@ class RollPieces {
   RollPieces(const RollPieces&) = delete;
   RollPieces& operator=(const RollPieces&) = delete;
 
-  void add_to(GroupWriter& writer) const { writer.add(trajectory_, trajectory_.begin(), trajectory_.end()); }
+  [[nodiscard]] const Trajectory& operator*() const { return trajectory_; }
 
  private:
   std::vector<TrajectoryPiece> pieces_{1};
@@ -167,7 +163,7 @@ TableGroup group_of_track(const PlayedMotion& motion, const Trajectory& trajecto
   for (std::size_t& position : positions) position += first_axis;
   GroupWriter writer(positions, axes);
   const auto add_rolls = [&](std::span<const RollAxis> rolls) {
-    if (!rolls.empty()) RollPieces(rolls.subspan(first_axis, trajectory.axis_count())).add_to(writer);
+    if (!rolls.empty()) writer.add(*RollPieces(rolls.subspan(first_axis, trajectory.axis_count())));
   };
   add_rolls(move.rolls().before);
   writer.add(trajectory, {move.part().first, 0}, {move.part().last, 0});
@@ -182,10 +178,9 @@ TableGroup group_of_track(const PlayedMotion& motion, const Trajectory& trajecto
 TableGroup group_of_motor(const PlayedMotion& motion, const PlayedMotor& motor) {
   const Move& move = motion.move();
   GroupWriter writer({motor.axis}, {0});
-  if (motor.pre_roll != nullptr) writer.add(*motor.pre_roll, motor.pre_roll->begin(), motor.pre_roll->end());
+  if (motor.pre_roll != nullptr) writer.add(*motor.pre_roll);
   writer.add(*motor.whole, {move.part().first, 0}, {move.part().last, 0});
-  if (motor.post_roll != nullptr)
-    writer.add(*motor.post_roll, motor.post_roll->begin(), motor.post_roll->end());
+  if (motor.post_roll != nullptr) writer.add(*motor.post_roll);
   return writer.finish({motion.motion_of(motor, {move.last_frame(), 0}).position});
 }
 
@@ -205,8 +200,8 @@ std::vector<TableGroup> groups_of(const PlayedMotion& motion) {
   return groups;
 }
 
-/// From rate 1 to 0 under constant bounds of the rate's change and of its jerk, the quickest way: as hard as
-/// the jerk allows to the greatest change, and back.
+/// This is the quickest stop under constant bounds of the rate's change and of its jerk: the change grows as
+/// quickly as the jerk allows, stays at its bound if it gets there, and falls again.
 TableStop stop_within(const StopBound& bound) {
   const double longest_jerk_s = bound.rate_change / bound.rate_jerk;
   TableStop stop{.jerk_s = longest_jerk_s, .steady_s = 1 / bound.rate_change - longest_jerk_s};

@@ -63,14 +63,15 @@ struct TrajectoryTable {
   std::size_t position_count = 0;
   std::vector<TableMotor> motors;  ///< in the order of the rig
   std::vector<TableGroup> groups;
-  /// For equal parts of the time line, from its first frame to its last: a stop that begins there. Playing
-  /// forward at the drawn speed it keeps every axis inside its stop limits, and on its path.
+  /// Each equal part of the time line, from its first frame to its last, has a stop that begins there.
+  /// Playing forward at the drawn speed it keeps every axis inside its stop limits, and on its path.
   std::vector<TableStop> stops;
 };
 
-/// What the plan plays, rolls included. `report` is of check(plan), and the plan fits. Throws InputError
-/// where a table cannot say what the rig needs: an axis whose backlash is taken up, since that depends on
-/// where it came from. Cost: two coefficients a number of the trajectory; that of check() for the stops.
+/// This makes a table of what the plan plays, rolls included. `report` is of check(plan), and the plan fits.
+/// Throws InputError where a table cannot say what the rig needs: an axis whose backlash is taken up, since
+/// that depends on where it came from. Cost: two coefficients a number of the trajectory; that of check() for
+/// the stops.
 TrajectoryTable trajectory_table(const Plan& plan, const CheckReport& report);
 
 /// The longest of its stops, which is how long a button has to be waited for.

@@ -18,7 +18,7 @@ namespace {
 
 using Measured = std::map<std::string, double>;
 
-/// Of one kind ("instructions", "stack", "program") on one target, by name.
+/// Returns what was measured of one kind ("instructions", "stack", "program") on one target, by name.
 Measured measured(const std::string& kind, const std::string& target) {
   std::ifstream file(in_build("tests/embedded/budget.txt"));
   Measured result;
