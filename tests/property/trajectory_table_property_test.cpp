@@ -198,8 +198,8 @@ TEST(TrajectoryTableProperty, ACompilerOfCMakesAPlayerThatSendsTheCountsOfARun) 
     RC_ASSERT(alone.err == "" && alone.status == 0);
     const ProgramRun made =
         run_command({"/usr/bin/cc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic",
-                     "-ffp-contract=off", "-include", header, "-DTABLE=any_move_table", "-I" + in_checkout("."),
-                     in_checkout("tests/table/play_all.c"), "-o", player, "-lm"});
+                     "-ffp-contract=off", "-include", header, "-DTABLE=any_move_table",
+                     "-I" + in_checkout("."), in_checkout("tests/table/play_all.c"), "-o", player, "-lm"});
     RC_ASSERT(made.err == "" && made.status == 0);
 
     const Move& move = plan.played();
