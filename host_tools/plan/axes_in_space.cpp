@@ -137,7 +137,7 @@ FollowedPath AxesInSpace::follow() {
       });
   refuse_beyond_ranges(followed, [&](std::size_t step, double t) {
     const FrameKnot& knot = followed.knots[step];
-    return PathPoint{knot.key, (knot.part + t) / knot.parts};
+    return PathPoint{knot.key, knot.parameter(t) - knot.key};
   });
   return followed;
 }

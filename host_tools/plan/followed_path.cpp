@@ -48,7 +48,7 @@ class Construction {
     std::size_t step = 0;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       for (std::int16_t part = 0; part < parts_[i]; ++part, ++step) {
-        path.knots.push_back({static_cast<std::int32_t>(i), part, parts_[i]});
+        path.knots.push_back({.key = static_cast<std::int32_t>(i), .part = part, .parts = parts_[i]});
         for (const std::size_t row : layout_.axes) path.cubics.push_back(cubic(i, part, step, row));
         for (const std::size_t row : layout_.guides) path.cubics.push_back(cubic(i, part, step, row));
       }

@@ -22,8 +22,8 @@ constexpr std::size_t max_time_steps = 200'000;
 /// A tenth of what a crane's aim may be off (0.01 deg), and half of what a speed may (1e-4).
 constexpr double max_aim_rad = 2e-5;
 constexpr double max_speed_share = 5e-5;
-/// What a FrameKnot counts.
-constexpr std::int32_t max_parts = std::numeric_limits<std::int16_t>::max();
+/// Between two keys: more would only follow what has a jump.
+constexpr std::int32_t max_parts = 32'767;
 
 /// The cubic on one step that has these places and velocities (per step) at its ends.
 Cubic between(double from, double velocity, double to, double end_velocity) {
@@ -226,8 +226,7 @@ class Tracking {
       if (frame >= key_frames_[key + 1]) ++key;
       const std::int32_t part = static_cast<std::int32_t>(step) - key_frames_[key] * per_frame_;
       const std::int32_t parts = (key_frames_[key + 1] - key_frames_[key]) * per_frame_;
-      path.knots.push_back({static_cast<std::int32_t>(key), static_cast<std::int16_t>(part),
-                            static_cast<std::int16_t>(parts)});
+      path.knots.push_back({.key = static_cast<std::int32_t>(key), .part = part, .parts = parts});
     }
     bound(rows, path.accuracy);
     return path;

@@ -50,8 +50,9 @@ class FrameCurves {
     std::size_t first = 0;
     for (std::size_t k = 0; k < intervals_; first += parts(k), ++k) {
       for (std::size_t j = 0; j < parts(k); ++j) {
-        memory_.knots[first + j] = {static_cast<std::int32_t>(k), static_cast<std::int16_t>(j),
-                                    static_cast<std::int16_t>(parts(k))};
+        memory_.knots[first + j] = {.key = static_cast<std::int32_t>(k),
+                                    .part = static_cast<std::int32_t>(j),
+                                    .parts = static_cast<std::int32_t>(parts(k))};
       }
     }
     const std::size_t last = segments();

@@ -8,6 +8,7 @@
 #include "inbetween/base/processor_clones.hpp"
 #include "path/frame_curves.hpp"
 #include "path/path_checks.hpp"
+#include "path/rounded_corners.hpp"
 #include "path/tcb_tangent.hpp"
 
 namespace inbetween {
@@ -55,6 +56,12 @@ class Construction {
   }
 
   void build() {
+    if (RoundedCorners::are_asked(spec_)) {
+      RoundedCorners corners(spec_, memory_);
+      segments_ = corners.segments();
+      corners.write();
+      return append_continuation();
+    }
     if (!spec_.key_frames.empty()) {
       FrameCurves curves(spec_, memory_);
       segments_ = curves.segments();
@@ -127,6 +134,8 @@ class Construction {
   [[nodiscard]] double chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
   /// The key from which a segment leads.
   [[nodiscard]] std::int32_t key_of(std::size_t segment) const {
+    if (RoundedCorners::are_asked(spec_))
+      return static_cast<std::int32_t>(RoundedCorners(spec_, memory_).key_of(segment));
     const bool by_frames = !spec_.key_frames.empty();
     return static_cast<std::int32_t>(by_frames ? FrameCurves(spec_, memory_).key_of(segment) : segment);
   }
@@ -325,6 +334,8 @@ class Construction {
       }
       const Cubic& c = cubic(segments_ - 1, d);
       end = {key(spec_.closed ? keys_ : keys_ - 1, d), c.derivative(1), c.c2 + 3 * c.c3, c.c3};
+      // A seam that is rounded is no key: it returns to where it began.
+      if (spec_.closed && cubic(0, d).c0 != key(0, d)) end.c0 += cubic(0, d).c0 - key(0, d);
     }
   }
 
@@ -344,6 +355,7 @@ Result<Path> Path::make(const PathSpec& spec, const PathMemory& memory) {
   if (const Status counts = check_counts(spec); !counts) return counts.error();
   if (const Status numbers = check_numbers(spec); !numbers) return numbers.error();
   if (const Status frames = check_key_frames(spec); !frames) return frames.error();
+  if (const Status corners = check_corners(spec, memory); !corners) return corners.error();
   if (const Status enough = check_memory(spec, memory); !enough) return enough.error();
 
   Construction construction(spec, memory);
@@ -358,7 +370,8 @@ Result<Path> Path::make(const PathSpec& spec, const PathMemory& memory) {
   path.cubics_ =
       memory.cubics.first((construction.segments() + 1) * static_cast<std::size_t>(spec.axis_count));
   path.weights_ = construction.weights();
-  if (!spec.key_frames.empty()) path.knots_ = memory.knots.first(construction.segments());
+  if (!spec.key_frames.empty() || RoundedCorners::are_asked(spec))
+    path.knots_ = memory.knots.first(construction.segments());
   path.over_frames_ = !spec.key_frames.empty();
   path.overshoots_ = spec.overshoot;
   path.spline_ = spec.spline;

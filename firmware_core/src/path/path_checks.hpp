@@ -5,6 +5,7 @@
 
 #include "inbetween/path/path.hpp"
 #include "path/frame_curves.hpp"
+#include "path/rounded_corners.hpp"
 
 /// The checks of a path before it is made: the errors of Path::make.
 
@@ -107,15 +108,49 @@ inline Status check_key_frames(const PathSpec& spec) {
   return Done{};
 }
 
+inline Status check_corners(const PathSpec& spec, const PathMemory& memory) {
+  if (!RoundedCorners::are_asked(spec)) return Done{};
+  const std::size_t keys = spec.keys.size() / static_cast<std::size_t>(spec.axis_count);
+  const bool by_frames = !spec.key_frames.empty();
+  const std::size_t wanted = by_frames ? spec.overlap_frames.size() : spec.path_tolerances.size();
+  const std::size_t others = by_frames ? spec.path_tolerances.size() : spec.overlap_frames.size();
+  if (spec.spline != Spline::linear || wanted != keys || others > 0) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "corners are rounded on a linear path, at every key alike",
+                 .remedy = "give one overlap per key over frames, otherwise one tolerance per key, or none"};
+  }
+  for (std::size_t k = 0; k < keys; ++k) {
+    const double value = by_frames ? static_cast<double>(spec.overlap_frames[k]) : spec.path_tolerances[k];
+    if (usable(value) && value >= 0) continue;
+    Error error = bad_number(value, "the tolerance of a corner is not a finite number",
+                             value < 0 ? "a corner is rounded by less than 0" : "a tolerance is too large");
+    error.key = static_cast<std::int32_t>(k);
+    return error;
+  }
+  for (std::size_t k = 0; k + 1 < spec.key_frames.size(); ++k) {
+    if (spec.key_frames[k + 1] - spec.key_frames[k] <= std::numeric_limits<std::int32_t>::max() / 2) continue;
+    return Error{.code = ErrorCode::out_of_range,
+                 .what = "the action behind this key is too long to count half frames",
+                 .remedy = "give it fewer frames",
+                 .key = static_cast<std::int32_t>(k)};
+  }
+  return RoundedCorners(spec, memory).check_actions();
+}
+
+inline std::size_t segment_count_of(const PathSpec& spec, const PathMemory& memory) {
+  if (RoundedCorners::are_asked(spec)) return RoundedCorners(spec, memory).segments();
+  if (!spec.key_frames.empty()) return FrameCurves(spec, memory).segments();
+  const std::size_t keys = spec.keys.size() / static_cast<std::size_t>(spec.axis_count);
+  return spec.closed && keys > 1 ? keys : keys - 1;
+}
+
 inline Status check_memory(const PathSpec& spec, const PathMemory& memory) {
   const auto axes = static_cast<std::size_t>(spec.axis_count);
-  const std::size_t keys = spec.keys.size() / axes;
-  const bool by_frames = !spec.key_frames.empty();
-  const std::size_t segments =
-      by_frames ? FrameCurves(spec, memory).segments() : (spec.closed && keys > 1 ? keys : keys - 1);
+  const bool has_knots = !spec.key_frames.empty() || RoundedCorners::are_asked(spec);
+  const std::size_t segments = segment_count_of(spec, memory);
   const std::size_t rows = segments + 1;
   if (memory.cubics.size() < rows * axes || memory.weights.size() < axes ||
-      (by_frames && memory.knots.size() < segments)) {
+      (has_knots && memory.knots.size() < segments)) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the path has more keys and axes than its memory",
                  .remedy = "give it a larger capacity",

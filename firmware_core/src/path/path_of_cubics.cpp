@@ -38,9 +38,12 @@ class GivenRows {
     for (const FrameKnot& knot : spec_.knots) {
       const bool begins = knot.part == 0;
       const bool follows = begins ? expected.part == 0 && knot.parts > 0 : knot.parts == expected.parts;
-      if (knot.key != expected.key || knot.part != expected.part || !follows) return wrong_knot(knot.key);
+      const bool is_within = knot.length > 0 && knot.length <= knot.parts - knot.part;
+      if (knot.key != expected.key || knot.part != expected.part || !follows || !is_within)
+        return wrong_knot(knot.key);
       expected = knot;
-      if (++expected.part == knot.parts) expected = {.key = knot.key + 1};
+      expected.part += knot.length;
+      if (expected.part == knot.parts) expected = {.key = knot.key + 1};
     }
     const std::int32_t last = spec_.closed ? spec_.key_count : spec_.key_count - 1;
     if (expected.part != 0 || expected.key != last) return wrong_knot(expected.key);
@@ -152,6 +155,7 @@ Result<Path> Path::make_of_cubics(const CubicPathSpec& spec, const PathMemory& m
   path.knots_ = memory.knots.first(given.segments());
   path.spline_ = spec.spline;
   path.closed_ = spec.closed;
+  path.over_frames_ = spec.over_frames;
   return path;
 }
 

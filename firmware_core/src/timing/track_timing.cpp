@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "inbetween/timing/track.hpp"
 
@@ -102,6 +103,17 @@ Status check_key_frames(const Path& path, std::span<const std::int32_t> key_fram
     }
   }
   return Done{};
+}
+
+/// `part` of `parts` of so many frames, in the fewest parts of a frame that are whole numbers: of those that
+/// there are in a path none is above 2^31 then.
+KeyInterval interval_of(const FrameKnot& knot, std::int32_t begin_frame, std::int32_t frames) {
+  const std::int32_t common = std::gcd(knot.parts, frames);
+  const std::int32_t whole = frames / common;
+  return {.begin_frame = begin_frame,
+          .parts = knot.parts / common,
+          .begin = knot.part * whole,
+          .length = knot.length * whole};
 }
 
 /// Curves need a path over frames, and nothing else can use one. A monotone spline is one of whole keys.
@@ -226,13 +238,11 @@ Result<Track> Track::make_with_key_frames(const Path& path, const ArcLength& arc
     const FrameKnot knot =
         path.knots().empty() ? FrameKnot{.key = static_cast<std::int32_t>(i)} : path.knots()[i];
     const auto key = static_cast<std::size_t>(knot.key);
-    interval = {.begin_frame = key_frames[key],
-                .frames = key_frames[key + 1] - key_frames[key],
-                .part = knot.part,
-                .parts = knot.parts};
+    const std::int32_t between = key_frames[key + 1] - key_frames[key];
+    interval = interval_of(knot, key_frames[key], between);
     if (kinetic == Kinetic::monotone) {
-      const double d0 = slopes.at(i) * static_cast<double>(interval.frames);
-      const double d1 = slopes.at(i + 1) * static_cast<double>(interval.frames);
+      const double d0 = slopes.at(i) * static_cast<double>(between);
+      const double d1 = slopes.at(i + 1) * static_cast<double>(between);
       interval.c1 = d0;
       interval.c2 = 3 - 2 * d0 - d1;
       interval.c3 = d0 + d1 - 2;
@@ -252,15 +262,15 @@ const Portion& Track::portion_at(std::int32_t frame) const {
 std::size_t Track::interval_at(const FrameTime& time) const {
   const auto behind = std::ranges::upper_bound(key_intervals_, time.frame, {}, &KeyInterval::begin_frame);
   if (behind == key_intervals_.begin()) return 0;
-  // The last part between the two keys: the one meant is so many before it.
-  const auto last = static_cast<std::size_t>(behind - key_intervals_.begin()) - 1;
-  const KeyInterval& interval = key_intervals_[last];
-  if (interval.parts == 1) return last;
-  const double parts_from_last = interval.u(time);
-  for (std::int32_t back = 0; back < interval.part; ++back) {
-    if (parts_from_last >= static_cast<double>(-back)) return last - static_cast<std::size_t>(back);
-  }
-  return last - static_cast<std::size_t>(interval.part);
+  // The last segment between the two keys: the one meant may be before it.
+  const auto last = behind - 1;
+  if (last->begin == 0) return static_cast<std::size_t>(last - key_intervals_.begin());
+  const auto first = std::lower_bound(
+      key_intervals_.begin(), last, last->begin_frame,
+      [](const KeyInterval& interval, std::int32_t frame) { return interval.begin_frame < frame; });
+  const auto next =
+      std::partition_point(first, behind, [&](const KeyInterval& interval) { return interval.u(time) >= 0; });
+  return static_cast<std::size_t>(next - key_intervals_.begin()) - (next == first ? 0 : 1);
 }
 
 TwoSum Track::special_distance(const FrameTime& time) const {

@@ -11,13 +11,6 @@ bool is_even(const KeyInterval& interval) {
   return interval.c2 == 0 && interval.c3 == 0;
 }
 
-/// Exact but for the fraction, which is rounded once.
-FrameTime begin_of(const KeyInterval& interval) {
-  const std::int64_t scaled = static_cast<std::int64_t>(interval.part) * interval.frames;
-  return {interval.begin_frame + static_cast<std::int32_t>(scaled / interval.parts),
-          static_cast<double>(scaled % interval.parts) / static_cast<double>(interval.parts)};
-}
-
 }  // namespace
 
 SampledSpeed sample_framed(const Track& track, std::int32_t segment, double u, std::span<AxisMotion> out) {
@@ -45,7 +38,7 @@ SampledSpeed sample_framed(const Track& track, const FrameTime& time, std::span<
   const std::span<const KeyInterval> intervals = track.key_intervals();
   const auto behind =
       std::partition_point(intervals.begin() + 1, intervals.end(),
-                           [&](const KeyInterval& interval) { return begin_of(interval) <= time; });
+                           [&](const KeyInterval& interval) { return interval.begin_time() <= time; });
   const auto segment = behind - intervals.begin() - 1;
   const double u = std::clamp(intervals[static_cast<std::size_t>(segment)].u(time), 0.0, 1.0);
   return sample_framed(track, static_cast<std::int32_t>(segment), u, out);
@@ -65,7 +58,7 @@ std::span<const SampledJoint> framed_joints(const Track& track, std::span<Sample
   for (std::size_t i = 0; i <= intervals.size(); ++i) {
     const auto segment = static_cast<std::int32_t>(i);
     SampledJoint joint;
-    joint.time = i < intervals.size() ? begin_of(intervals[i]) : FrameTime{track.frames(), 0};
+    joint.time = i < intervals.size() ? intervals[i].begin_time() : FrameTime{track.frames(), 0};
     joint.key = track.path().key_at(segment).value_or(-1);
     joint.point_before = {segment - 1, 1};
     joint.point_after = {segment, 0};

@@ -54,6 +54,17 @@ struct PathSpec {
   /// Only with `key_frames`: velocity and acceleration are 0 at that end.
   bool rests_at_start = true;
   bool rests_at_end = true;
+  /// Of a linear path over frames, one per key, in frames, >= 0: for so long the actions before and after the
+  /// key overlap, half of it on either side of its frame (Tuori, Tools and techniques for computer-aided
+  /// animation, 1977). The position is the straight way convolved with a triangle so wide: cubics, C2. The
+  /// last key is met, and key 0: an action that begins or ends at rest is shorter by half the overlap there,
+  /// and at an end without a rest nothing overlaps. The seam of a periodic path overlaps as any other key.
+  std::span<const std::int32_t> overlap_frames = {};
+  /// Of a linear path with no notion of time, one per key, >= 0, in weighted distance: the path passes the
+  /// key no further away than this, by a C2 blend of two cubics over at most half of either leg (the path
+  /// tolerance of machine tools, G64 P). A corner that turns straight back stays. Of a closed path key 0 is
+  /// the seam, and the ends of an open one are met.
+  std::span<const double> path_tolerances = {};
 
   /// The position of a key. The number of keys is the return to key 0, and so on round a closed path.
   [[nodiscard]] double key(std::size_t index, std::size_t axis) const {
@@ -65,12 +76,20 @@ struct PathSpec {
   }
 };
 
-/// The begin of a segment that is a part of the way between two keys: `part` of `parts` equal parts of the
-/// way from `key` to the next key, of the time on a path over frames and otherwise of s.
+/// The begin of a segment that is a part of the way between two keys: of `parts` equal parts of the way from
+/// `key` to the next key, of the time on a path over frames and otherwise of s, it has `length` from `part`
+/// on.
 struct FrameKnot {
   std::int32_t key = 0;
-  std::int16_t part = 0;
-  std::int16_t parts = 1;
+  std::int32_t part = 0;
+  std::int32_t parts = 1;
+  std::int32_t length = 1;
+
+  /// s at t of the segment.
+  [[nodiscard]] double parameter(double t) const {
+    return static_cast<double>(key) +
+           (static_cast<double>(part) + t * static_cast<double>(length)) / static_cast<double>(parts);
+  }
 };
 
 /// c0 + c1 t + c2 t^2 + c3 t^3, in axis units.
@@ -135,13 +154,15 @@ struct CubicPathSpec {
   std::span<const double> weights;
   /// One for each segment, in the order of the path: all the parts of the way from key 0 to key 1, and so on.
   std::span<const FrameKnot> knots;
+  /// Every row is a curve over time, and the knots are parts of the time from key to key.
+  bool over_frames = false;
 };
 
 /// The memory of a path, owned by the caller, who keeps it alive and unmoved as long as the path.
 struct PathMemory {
   std::span<Cubic> cubics;    ///< (segments + 1) * (axes + guides)
   std::span<double> weights;  ///< axes + guides
-  /// Segments, of a path of cubics or over frames; there a rest may need 4 between keys.
+  /// Segments, of a path of cubics, over frames or with rounded corners: up to 5 between keys.
   std::span<FrameKnot> knots = {};
 };
 
@@ -177,7 +198,8 @@ class Path {
 
   [[nodiscard]] std::int32_t axis_count() const { return axis_count_; }
   [[nodiscard]] std::int32_t key_count() const { return key_count_; }
-  /// n for n + 1 open keys, n for n closed keys, 0 for one open key; more where a path over frames rests.
+  /// n for n + 1 open keys, n for n closed keys, 0 for one open key; more where a path over frames rests, and
+  /// where corners are rounded.
   [[nodiscard]] std::int32_t segment_count() const { return segment_count_; }
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] Spline spline() const { return spline_; }
@@ -185,11 +207,11 @@ class Path {
   [[nodiscard]] std::span<const double> weights() const { return weights_; }
   /// The knots are frames, and every axis is a curve over time.
   [[nodiscard]] bool over_frames() const { return over_frames_; }
-  /// One for every segment of a path over frames or of cubics; otherwise empty, and segment i begins at key
-  /// i.
+  /// One for every segment of a path over frames, with rounded corners or of cubics; otherwise empty, and
+  /// segment i begins at key i.
   [[nodiscard]] std::span<const FrameKnot> knots() const { return knots_; }
-  /// The key at which segment `index` begins, 0..segment_count(); nothing where it begins between keys. The
-  /// end of a closed path is key 0.
+  /// The key at which segment `index` begins, 0..segment_count(); nothing where it begins between keys. A
+  /// path with rounded corners passes the key there, and need not meet it. The end of a closed path is key 0.
   [[nodiscard]] std::optional<std::int32_t> key_at(std::int32_t index) const {
     if (index == segment_count_) return closed_ ? 0 : key_count_ - 1;
     if (knots_.empty()) return index;
@@ -202,9 +224,7 @@ class Path {
     const auto index = static_cast<std::size_t>(point.segment);
     if (knots_.empty()) return static_cast<double>(point.segment) + point.t;
     if (index >= knots_.size()) return static_cast<double>(knots_.back().key + 1);
-    const FrameKnot& knot = knots_[index];
-    return static_cast<double>(knot.key) +
-           (static_cast<double>(knot.part) + point.t) / static_cast<double>(knot.parts);
+    return knots_[index].parameter(point.t);
   }
 
   /// The cubics of all axes on a segment, and behind them those of the guides. Segment `segment_count()` is

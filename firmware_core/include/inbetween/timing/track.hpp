@@ -59,31 +59,29 @@ enum class Kinetic : std::uint8_t {
   curves,    ///< the path is made over the frames: every axis is a curve over time
 };
 
-/// One segment of a move timed by frames: t = u (c1 + u (c2 + u c3)), u from 0 to 1 over part `part` of
-/// `parts` equal parts of the time between two keys.
+/// One segment of a move timed by frames: t = u (c1 + u (c2 + u c3)), u from 0 to 1 over its time. That is
+/// exact: whole numbers of equal parts of a frame.
 struct KeyInterval {
   std::int32_t begin_frame = 0;  ///< of the key before it
-  std::int32_t frames = 1;       ///< from key to key
-  std::int32_t part = 0;
-  std::int32_t parts = 1;
+  std::int32_t parts = 1;        ///< of a frame
+  std::int32_t begin = 0;        ///< so many parts behind begin_frame
+  std::int32_t length = 1;       ///< so many parts
   double c1 = 1, c2 = 0, c3 = 0;
 
   /// The frame on which the segment begins, which need not be a whole one.
-  [[nodiscard]] double begin() const {
-    return static_cast<double>(begin_frame) + static_cast<double>(part * frames) / static_cast<double>(parts);
+  [[nodiscard]] FrameTime begin_time() const {
+    return {begin_frame + begin / parts, static_cast<double>(begin % parts) / static_cast<double>(parts)};
   }
-  /// How many frames it lasts.
-  [[nodiscard]] double duration() const { return static_cast<double>(frames) / static_cast<double>(parts); }
   [[nodiscard]] double u(const FrameTime& time) const {
-    return (static_cast<double>((time.frame - begin_frame) * parts - part * frames) +
+    return (static_cast<double>((time.frame - begin_frame) * parts - begin) +
             time.fraction * static_cast<double>(parts)) /
-           static_cast<double>(frames);
+           static_cast<double>(length);
   }
 
   /// Derivatives of t in time, at u.
   [[nodiscard]] ParameterRates rates(double u, FrameRate fps) const {
     const double rate = static_cast<double>(fps.numerator) * static_cast<double>(parts) /
-                        (static_cast<double>(fps.denominator) * static_cast<double>(frames));
+                        (static_cast<double>(fps.denominator) * static_cast<double>(length));
     return {rate * (c1 + u * (2 * c2 + u * (3 * c3))), rate * rate * (2 * c2 + 6 * u * c3),
             rate * rate * rate * (6 * c3)};
   }
