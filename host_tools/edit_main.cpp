@@ -136,6 +136,8 @@ int edit_command(const EditArguments& arguments) {
   const std::unique_ptr<KeptAddress> address = kept_address(move);
   EditSession session(files_beneath(move.parent_path().string()), move.filename().string(), plan.rig(),
                       plan.kinematics(), file_id(move.string()));
+  // Files that the move names are beside it.
+  fs::current_path(move.parent_path());
   stay_within_select();
   // A file that grows beyond a limit of its size is an error of a write like a full disk, and no end.
   std::signal(SIGXFSZ, SIG_IGN);

@@ -38,11 +38,19 @@ FrameTime time_at(double frame) {
   return moved_by({0, 0}, frame);
 }
 
-/// A point of a track at s counted in segments: of an open path of n segments up to n.
+/// A point of a track at s, which is i at key i: of an open path of n keys up to n - 1.
 PathPoint point_at(const Path& path, double s) {
-  const auto segments = static_cast<double>(path.segment_count());
-  const double whole = std::clamp(std::floor(s), 0.0, segments);
-  return {static_cast<int>(whole), whole < segments ? s - whole : 0};
+  std::int32_t first = 0;
+  std::int32_t count = path.segment_count();
+  while (count > 0) {  // the last segment that does not begin behind s
+    const std::int32_t half = count / 2;
+    const bool is_before = path.parameter({first + half, 1}) <= s;
+    if (is_before) first += half + 1;
+    count = is_before ? count - half - 1 : half;
+  }
+  if (first == path.segment_count()) return {first, 0};
+  const double begin = path.parameter({first, 0});
+  return {first, std::clamp((s - begin) / (path.parameter({first, 1}) - begin), 0.0, 1.0)};
 }
 
 }  // namespace
@@ -175,8 +183,8 @@ std::int32_t ib_speed(std::int32_t index, std::int32_t samples) {
   return samples;
 }
 
-/// Numbers: frame, s, distance at which key `key` is met; s and distance of a place `s` between segments come
-/// from ib_at instead.
+/// For every segment and the end of the path an integer, the key that is passed there or -1, and numbers: the
+/// frame, s, and the position of every axis.
 std::int32_t ib_key_frames(std::int32_t index) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;
@@ -185,11 +193,13 @@ std::int32_t ib_key_frames(std::int32_t index) {
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
     out.integer(track.path().key_at(i).value_or(-1));
     out.number(frame_of_segment(track, i));
+    out.number(track.path().parameter({i, 0}));
+    for (std::int32_t d = 0; d < track.path().axis_count(); ++d) out.number(track.path().position({i, 0}, d));
   }
   return track.path().segment_count() + 1;
 }
 
-/// Numbers: the position of every axis at s, counted in segments.
+/// Numbers: the position of every axis at s, which is i at key i.
 std::int32_t ib_at(std::int32_t index, double s) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;

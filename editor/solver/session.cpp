@@ -47,11 +47,13 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
   const std::int32_t weights = reader.integer();
   const std::int32_t shapes = reader.integer();
   const std::int32_t segments = reader.integer();
+  const std::int32_t corners = reader.integer();
   const bool is_sane =
       path.axis_count >= 1 && path.axis_count <= static_cast<std::int32_t>(max_axes) && keys >= 0 &&
       keys <= static_cast<std::int32_t>(max_keys) && locks <= static_cast<std::int32_t>(max_locks) &&
       weights <= static_cast<std::int32_t>(max_axes + max_guides) && weights >= 0 &&
-      shapes <= static_cast<std::int32_t>(max_keys) && segments <= static_cast<std::int32_t>(max_segments);
+      shapes <= static_cast<std::int32_t>(max_keys) && segments <= static_cast<std::int32_t>(max_segments) &&
+      corners >= 0 && corners <= static_cast<std::int32_t>(max_keys);
   if (!is_sane) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the track is larger than this page solves",
@@ -73,11 +75,19 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
   }
   if (locks > 0) input.locks = std::span(locks_).first(static_cast<std::size_t>(locks));
   input.key_frames = reader.integers(key_frames);
+  // What corners are rounded by: frames of overlap, or the tolerance at a drawn speed.
+  if (key_frames > 0) {
+    path.overlap_frames = reader.integers(corners);
+  } else {
+    path.path_tolerances = reader.numbers(corners);
+  }
   if (segments > 0) {
     const auto count = static_cast<std::size_t>(segments);
     for (FrameKnot& knot : std::span(knots_).first(count)) {
-      knot = {reader.integer(), static_cast<std::int16_t>(reader.integer()),
-              static_cast<std::int16_t>(reader.integer())};
+      knot = {.key = reader.integer(),
+              .part = reader.integer(),
+              .parts = reader.integer(),
+              .length = reader.integer()};
     }
     const std::size_t rows = count * static_cast<std::size_t>(weights);
     for (Cubic& cubic : std::span(cubics_).first(rows)) {
@@ -89,7 +99,8 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
                                  .key_count = keys,
                                  .cubics = std::span(cubics_).first(rows),
                                  .weights = path.weights,
-                                 .knots = std::span(knots_).first(count)};
+                                 .knots = std::span(knots_).first(count),
+                                 .over_frames = input.kinetic == Kinetic::curves && key_frames > 0};
   }
   if (!reader.is_complete()) return incomplete;
   return slots_[static_cast<std::size_t>(index)].solve(input);

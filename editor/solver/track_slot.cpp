@@ -87,7 +87,7 @@ Status TrackSlot::adjust(const TrackInput& input, const Path& path, const ArcLen
   }
   std::size_t count = 0;
   for (std::int32_t i = 0; i <= path.segment_count(); ++i) {
-    distances_[count++] = arc_length.segment_begin(i).high;
+    if (path.key_at(i)) distances_[count++] = arc_length.segment_begin(i).high;
   }
   const auto timing = adjust_to_locks({.control_values = played_,
                                        .key_distances = std::span(distances_).first(count),
@@ -97,9 +97,12 @@ Status TrackSlot::adjust(const TrackInput& input, const Path& path, const ArcLen
                                       key_timing_.memory());
   if (!timing) return timing.error();
   played_ = timing->control_values;
-  for (const KeyLock& lock : timing->locks) {
-    const bool is_inside = lock.key > 0 && lock.key < path.segment_count();
-    if (lock.breaks && is_inside) breaks_[break_count_++] = {lock.key, lock.frame};
+  std::int32_t segment = 0;
+  for (const KeyLock& lock : timing->locks) {  // in the order of the keys
+    const bool is_inside = lock.key > 0 && static_cast<std::size_t>(lock.key) + 1 < count;
+    if (!lock.breaks || !is_inside) continue;
+    while (path.key_at(segment) != lock.key) ++segment;
+    breaks_[break_count_++] = {segment, lock.frame};
   }
   return Done{};
 }

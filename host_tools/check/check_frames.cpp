@@ -220,12 +220,22 @@ class FrameSearch {
 
 }  // namespace
 
+std::optional<std::string> why_frames_are_fixed(const MoveFile& move) {
+  const auto is_network = [](const MoveTrack& track) { return track.network.has_value(); };
+  if (std::ranges::none_of(move.tracks, is_network)) return std::nullopt;
+  return "the curves of a network are drawn on the frames of the move; draw them on others to try those";
+}
+
 MoveFile with_frames(const MoveFile& move, std::int32_t frames) {
+  if (const auto why = why_frames_are_fixed(move); why && frames != move.frames)
+    throw InputError(move.frames_place, *why);
   MoveFile other = move;
   other.frames = frames;
   for (MoveTrack& track : other.tracks) {
+    if (track.overlap) track.overlap = scaled(*track.overlap, frames, move.frames);
     for (MoveKey& key : track.keys) {
       if (key.frame) key.frame = scaled(*key.frame, frames, move.frames);
+      if (key.overlap) key.overlap = scaled(*key.overlap, frames, move.frames);
       if (key.hold) key.hold = std::max(scaled(*key.hold, frames, move.frames), 1);
     }
     for (std::optional<EaseWish>* ease : {&track.ease_in, &track.ease_out}) {
@@ -257,6 +267,7 @@ std::string in_proportion(const MoveFile& move) {
                                 has_frames && has_holds ? " and " : "", has_holds ? "holds" : ""));
   }
   if (has_eases) words.emplace_back("ease_in and ease_out");
+  if (std::ranges::any_of(move.tracks, has_overlap)) words.emplace_back("the overlaps");
   const auto has_list = [](const MoveCue& cue) { return !cue.frames.empty(); };
   if (std::ranges::any_of(move.cues, has_list)) words.emplace_back("the frames of the cues");
   return words.empty() ? "" : fmt::format(", with {} in proportion", listed_with_and(words));
@@ -268,6 +279,7 @@ SmallestFrames smallest_frames(const Plan& plan, const CheckReport& report,
   for (const CheckRefusal& refusal : report.refusals) {
     if (!refusal.slower_helps) return {std::nullopt, refusal.message()};
   }
+  if (const auto why = why_frames_are_fixed(plan.move())) return {std::nullopt, *why};
   return FrameSearch(plan, report, progress, is_over).run();
 }
 

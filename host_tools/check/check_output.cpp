@@ -10,6 +10,7 @@
 #include "host_tools/check/checked_peaks.hpp"
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/frame_range.hpp"
+#include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_output.hpp"
 
 namespace inbetween {
@@ -219,7 +220,10 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
   fmt::print(out, "{} on {}: {} at {} fps, {:.3f} s\n", move.name, plan.rig()->name,
              frames_in_words(plan.part(), move.frames), move.fps.as_written, plan.duration_s());
   print_rolls(plan, out);
-  for (std::size_t t = 0; t < plan.tracks().size(); ++t) print_followed(plan, t, "  ", out);
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    print_followed(plan, t, "  ", out);
+    print_passed(plan, t, "  ", out);
+  }
   const Table table = table_of(report, out);
   print_row(table, "axis", "quantity", "peak", "frame", "limit", "share");
   for (const CheckedAxis& axis : report.axes) print_axis(axis, table);

@@ -74,8 +74,8 @@ class AxisRefusals {
   }
   /// Where its keys are inside, it is the curve between them that goes beyond.
   [[nodiscard]] std::string remedy_of_position() const {
-    const bool can_overshoot =
-        track_.overshoot && (track_.spline == Spline::smooth || track_.spline == Spline::catmull_rom);
+    const bool can_overshoot = track_.overshoot && !track_.network &&
+                               (track_.spline == Spline::smooth || track_.spline == Spline::catmull_rom);
     const bool keys_are_inside = !track_.space && std::ranges::all_of(track_.keys, [&](const MoveKey& key) {
       const double at = key.at[axis_in_track_];
       return at >= limits_.min && at <= limits_.max;
@@ -83,7 +83,7 @@ class AxisRefusals {
     const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
     const Peak& worst = low ? axis_.range->lowest : axis_.range->highest;
     std::string inward =
-        fmt::format("move its keys inward by {:.6g} {}",
+        fmt::format("move its keys{} inward by {:.6g} {}", track_.network ? " and the drawn curves" : "",
                     rounded_up(low ? limits_.min - worst.value : worst.value - limits_.max), axis_.unit);
     if (!keys_are_inside || !can_overshoot) return inward;
     // There overshoot = false would break max_jerk.

@@ -9,6 +9,7 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/files/output_file.hpp"
+#include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_output.hpp"
 #include "host_tools/plan/plan_plot.hpp"
 #include "host_tools/plot/plot.hpp"
@@ -80,6 +81,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
     if (!solved.track().has_profile()) {
       fmt::print(out, "timed by the frames of its keys\n");
       print_followed(plan, t, "    ", out);
+      print_passed(plan, t, "    ", out);
       continue;
     }
     if (solved.track().portions().empty()) print_constant(plan, t, made.constant, out);
@@ -90,6 +92,7 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
       fmt::print(out, "closed form, speed within {:g}\n", made.speed_error);
     }
     print_followed(plan, t, "    ", out);
+    print_passed(plan, t, "    ", out);
     print_key_timing(solved, out);
   }
   print_rolls(plan, out);

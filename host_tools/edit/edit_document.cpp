@@ -18,7 +18,7 @@ namespace {
 
 /// Whether the core alone solves the track: the page has nothing else.
 bool is_live(const MoveTrack& track) {
-  const bool follows = track.space || track.distance;
+  const bool follows = track.space || track.distance || track.network;
   if (follows || track.ease_corners) return false;
   if (track.timing == Timing::frames) return kinetic_of(track) != MoveKinetic::pace;
   return track.curve_wishes.empty();
@@ -35,6 +35,8 @@ void write_key(JsonWriter& json, const MoveKey& key, std::size_t index) {
   json.member("hold", key.hold);
   json.member("break", key.breaks);
   json.member("ease", key.ease);
+  json.member("overlap", key.overlap);
+  json.member("round", key.round);
   json.end_object();
 }
 
@@ -49,7 +51,7 @@ void write_cubics(JsonWriter& json, const Path& path) {
       numbers.insert(numbers.end(), {cubic.c0, cubic.c1, cubic.c2, cubic.c3});
     }
     const FrameKnot& knot = path.knots()[static_cast<std::size_t>(i)];
-    knots.insert(knots.end(), {knot.key, knot.part, knot.parts});
+    knots.insert(knots.end(), {knot.key, knot.part, knot.parts, knot.length});
   }
   json.member("coefficients", numbers);
   json.member("weights", path.weights());
@@ -57,11 +59,34 @@ void write_cubics(JsonWriter& json, const Path& path) {
   json.end_object();
 }
 
+/// The keys that have a position of their own for this axis, and not the one that is drawn.
+std::vector<std::size_t> keys_with(const MoveTrack& track, std::size_t axis) {
+  std::vector<std::size_t> keys;
+  for (std::size_t k = 0; k < track.keys.size(); ++k) {
+    const std::vector<bool>& is_left_out = track.keys[k].is_left_out;
+    if (is_left_out.empty() || !is_left_out[axis]) keys.push_back(k);
+  }
+  return keys;
+}
+
+/// The places of the row, and the points of each curve that is drawn.
+void write_network(JsonWriter& json, const MoveTrack& track) {
+  json.begin_object();
+  json.member("places", track.network->places);
+  json.objects("drawn", track.network->drawn, [&](const DrawnAxis& drawn) {
+    json.member("axis", drawn.axis);
+    json.member("frames", drawn.frames);
+    json.member("at", drawn.at);
+    json.member("keys", keys_with(track, drawn.axis));
+  });
+  json.end_object();
+}
+
 void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::string_view text,
                  const std::string& file) {
   const MoveTrack& track = plan.move().tracks[index];
   const SolvedTrack& solved = plan.tracks()[index];
-  const bool follows = track.space || track.distance;
+  const bool follows = track.space || track.distance || track.network;
   const bool by_frames = track.timing == Timing::frames;
   const bool is_pace = by_frames && kinetic_of(track) == MoveKinetic::pace;
   const bool live = is_live(track);
@@ -79,6 +104,8 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   json.member("live", live);
   json.member("fixed_keys", why_keys_are_fixed(text, file, index));
   json.member("overshoot", track.overshoot);
+  json.member("overlap", track.overlap);
+  json.member("round", track.round);
   json.key("keys");
   json.begin_array();
   for (std::size_t k = 0; k < track.keys.size(); ++k) {
@@ -101,6 +128,12 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   }
   json.member("speed_as_written", track.speed);
   json.member("speed_is_played", is_played);
+  json.key("network");
+  if (track.network) {
+    write_network(json, track);
+  } else {
+    json.null();
+  }
   json.key("path");
   if (follows) {
     write_cubics(json, solved.track().path());

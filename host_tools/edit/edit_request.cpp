@@ -54,6 +54,11 @@ class Members {
     if (value == nullptr) return std::nullopt;
     return integer(*value, name_ + "." + member);
   }
+  [[nodiscard]] std::int32_t integer_of(const json& element) const { return integer(element, name_); }
+  [[nodiscard]] std::optional<double> optional_number(const char* member) const {
+    if (find(member) == nullptr) return std::nullopt;
+    return number(member);
+  }
   [[nodiscard]] bool boolean(const char* member) const {
     const json& value = get(member);
     if (!value.is_boolean()) refuse(name_ + "." + member, "is neither true nor false");
@@ -88,8 +93,9 @@ class Members {
 };
 
 EditedKey read_key(const json& object) {
-  const Members key(object, "a key",
-                    {"from", "at", "tension", "continuity", "bias", "frame", "hold", "break", "ease"});
+  const Members key(
+      object, "a key",
+      {"from", "at", "tension", "continuity", "bias", "frame", "hold", "break", "ease", "overlap", "round"});
   EditedKey edited{.at = key.numbers("at", max_track_axes),
                    .tension = key.number("tension"),
                    .continuity = key.number("continuity"),
@@ -97,14 +103,27 @@ EditedKey read_key(const json& object) {
                    .frame = key.optional_integer("frame"),
                    .hold = key.optional_integer("hold"),
                    .breaks = key.boolean("break"),
-                   .ease = key.boolean("ease")};
+                   .ease = key.boolean("ease"),
+                   .overlap = key.optional_integer("overlap"),
+                   .round = key.optional_number("round")};
   if (const auto from = key.optional_integer("from")) edited.from = static_cast<std::size_t>(*from);
   return edited;
 }
 
+EditedCurve read_curve(const json& object) {
+  const Members curve(object, "a curve", {"axis", "frames", "at"});
+  EditedCurve drawn{.axis = static_cast<std::size_t>(curve.integer("axis")),
+                    .frames = {},
+                    .at = curve.numbers("at", max_keys)};
+  for (const json& frame : curve.list("frames", max_keys)) drawn.frames.push_back(curve.integer_of(frame));
+  if (drawn.frames.size() != drawn.at.size() || drawn.at.empty())
+    refuse("a curve", "has not a place for every frame");
+  return drawn;
+}
+
 EditedTrack read_track(const json& object) {
-  const Members track(object, "a track", {"keys", "speed", "spline", "closed"});
-  EditedTrack edited{.keys = {}, .speed = std::nullopt, .closed = track.boolean("closed")};
+  const Members track(object, "a track", {"keys", "speed", "spline", "closed", "drawn"});
+  EditedTrack edited{.keys = {}, .speed = std::nullopt, .closed = track.boolean("closed"), .drawn = {}};
   if (track.find("keys") != nullptr) {  // null: as they are
     for (const json& key : track.list("keys", max_keys)) edited.keys.push_back(read_key(key));
     if (edited.keys.empty()) refuse("track.keys", "is empty");
@@ -115,6 +134,9 @@ EditedTrack read_track(const json& object) {
       if (!(value >= 0 && value <= max_control_value)) refuse("a control value", "is not within 0..100");
     }
     if (edited.speed->empty()) refuse("track.speed", "is empty");
+  }
+  if (track.find("drawn") != nullptr) {
+    for (const json& curve : track.list("drawn", max_track_axes)) edited.drawn.push_back(read_curve(curve));
   }
   const auto word = std::ranges::find(spline_words, track.text("spline", 16));
   if (word == spline_words.end()) refuse("track.spline", "is none");

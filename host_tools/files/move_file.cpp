@@ -11,6 +11,7 @@
 
 #include "host_tools/files/move_cue_reader.hpp"
 #include "host_tools/files/move_key_reader.hpp"
+#include "host_tools/files/move_network_reader.hpp"
 #include "host_tools/files/move_space_reader.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
@@ -20,10 +21,10 @@ namespace {
 
 constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
                                                          "cue",  "clapper", "start"};
-constexpr std::array<std::string_view, 22> track_fields = {
-    "axes",    "unit",  "wrap",    "spline",  "closed",    "periodic", "keys",    "timing",
-    "speed",   "rest",  "kinetic", "weights", "overshoot", "corners",  "ease_in", "ease_out",
-    "through", "space", "aim",     "elbow",   "near",      "distance"};
+constexpr std::array<std::string_view, 27> track_fields = {
+    "axes", "unit",    "wrap",    "spline",    "closed",  "periodic", "keys",     "timing",  "speed",
+    "rest", "kinetic", "weights", "overshoot", "corners", "ease_in",  "ease_out", "through", "space",
+    "aim",  "elbow",   "near",    "distance",  "overlap", "round",    "network",  "places",  "drawn"};
 
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
@@ -149,6 +150,15 @@ void read_weights(const TomlTable& table, MoveTrack& track) {
   }
 }
 
+/// Where a link is keyed, or its way measured, the corners are those of axes that follow.
+void refuse_round_in_space(const TomlTable& table, const MoveTrack& track) {
+  if (!has_round(track) || !(track.space || track.distance)) return;
+  const auto written = table.optional("round");
+  throw InputError(written ? written->place() : track.place,
+                   "round is for a path of axes, and here a link in space is measured; remove round, or use "
+                   "spline = \"smooth\"");
+}
+
 void read_kinetic(const TomlTable& table, MoveTrack& track) {
   if (const auto kinetic = table.optional("kinetic")) {
     if (track.timing != Timing::frames)
@@ -165,18 +175,21 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
   }
   const bool by_frames = track.timing == Timing::frames;
   const bool is_curve = !by_frames || kinetic_of(track) == MoveKinetic::pace;
+  const CornerFields corners = read_corner_fields(table, track);
+  track.overlap = corners.overlap;
+  track.round = corners.round;
   if (const auto rest = table.optional("rest")) {
     constexpr std::array ends = {RestingEnds{true, true}, RestingEnds{true, false}, RestingEnds{false, true},
                                  RestingEnds{false, false}};
     track.rest = ends.at(rest->choice({"both", "start", "end", "none"}));
-    if (by_frames && !is_curve && kinetic_of(track) != MoveKinetic::curves) {
-      rest->refuse(R"(needs a drawn speed, or kinetic = "curves" or "pace"; remove it)");
+    if (by_frames && !is_curve && kinetic_of(track) != MoveKinetic::curves && !track.overlap) {
+      rest->refuse(R"(needs a drawn speed, kinetic = "curves" or "pace", or overlap; remove it)");
     }
   }
-  if (const auto corners = table.optional("corners")) {
-    track.ease_corners = corners->choice({"pass", "ease"}) == 1;
+  if (const auto at_corners = table.optional("corners")) {
+    track.ease_corners = at_corners->choice({"pass", "ease"}) == 1;
     if (track.ease_corners && !is_curve) {
-      corners->refuse(R"(is "ease", which is for a speed curve: timing = "speed", or kinetic = "pace")");
+      at_corners->refuse(R"(is "ease", which is for a speed curve: timing = "speed", or kinetic = "pace")");
     }
   }
 }
@@ -234,8 +247,8 @@ void read_periodic(const TomlTable& table, MoveTrack& track) {
     periodic->refuse(R"(contradicts rest: a loop does not rest at its seam; remove one of the two)");
   }
   if (track.timing == Timing::frames) {
-    if (kinetic_of(track) != MoveKinetic::curves) {
-      periodic->refuse(R"(needs a drawn speed or kinetic = "curves"; change kinetic or remove it)");
+    if (kinetic_of(track) != MoveKinetic::curves && !has_overlap(track)) {
+      periodic->refuse(R"(needs a drawn speed, kinetic = "curves" or overlap; change kinetic or remove it)");
     }
     track.rest = none;
     return;
@@ -282,7 +295,10 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
   }
   read_space(table, track);
   if (!track.space) read_counting(table, track);
+  read_network(table, frames, track);
   read_keys(table, frames, track);
+  if (track.network) check_network_keys(track, frames);
+  refuse_round_in_space(table, track);
   read_speed(table, frames, track);
   read_weights(table, track);
   read_periodic(table, track);
@@ -311,6 +327,24 @@ void replace_curve(MoveTrack& track, std::vector<double> control_values) {
 
 MoveKinetic kinetic_of(const MoveTrack& track) {
   return track.kinetic.value_or(track.spline == Spline::linear ? MoveKinetic::linear : MoveKinetic::curves);
+}
+
+std::int32_t overlap_of(const MoveTrack& track, const MoveKey& key) {
+  return key.overlap.value_or(track.overlap.value_or(0));
+}
+
+double round_of(const MoveTrack& track, const MoveKey& key) {
+  return key.round.value_or(track.round.value_or(0));
+}
+
+bool has_overlap(const MoveTrack& track) {
+  return track.overlap ||
+         std::ranges::any_of(track.keys, [](const MoveKey& key) { return key.overlap.has_value(); });
+}
+
+bool has_round(const MoveTrack& track) {
+  return track.round ||
+         std::ranges::any_of(track.keys, [](const MoveKey& key) { return key.round.has_value(); });
 }
 
 bool is_over_time(const MoveTrack& track) {

@@ -70,8 +70,11 @@ struct MoveKey {
   std::optional<std::int32_t> hold;  // 1..frames of the move
   bool ease = false;                 // the speed touches 0 here
   Place place;
-  std::vector<Place> at_places;  // of each coordinate
-  Place frame_place = {};        // of `frame` and `hold`, where the key has them
+  std::vector<Place> at_places;         // of each coordinate
+  std::vector<bool> is_left_out;        // of each coordinate: it is that of the drawn curve; empty: none is
+  std::optional<std::int32_t> overlap;  // these two in place of those of the track
+  std::optional<double> round;
+  Place frame_place = {};  // of `frame` and `hold`, where the key has them
   Place hold_place = {};
 };
 
@@ -111,6 +114,22 @@ struct MoveDistance {
   Place place;
 };
 
+/// The curve over time that is drawn of one axis of a network.
+struct DrawnAxis {
+  std::size_t axis = 0;              // of the track
+  std::vector<std::int32_t> frames;  // rising, the first 0, the last that of the move
+  std::vector<double> at;            // on each of them, in `unit`
+  std::vector<Place> places;         // of each of them
+  MoveUnit unit = MoveUnit::of_rig;
+};
+
+/// A row of axes of which some are drawn and the others follow, through their keys (plan/network.hpp).
+struct MoveNetwork {
+  std::vector<double> places;    // of each axis in the row, not falling
+  std::vector<DrawnAxis> drawn;  // in the order of the axes
+  Place place;
+};
+
 struct MoveTrack {
   std::vector<std::string> axes;
   std::vector<Place> axis_places;
@@ -122,6 +141,7 @@ struct MoveTrack {
   bool periodic = false;                 // the closed path is passed at a speed through its seam
   std::optional<MoveSpace> space;        // the axes follow
   std::optional<MoveDistance> distance;  // in place of weights
+  std::optional<MoveNetwork> network;
   std::vector<MoveKey> keys;
   std::vector<double> speed;  // control values 0..100; empty with Timing::frames
   std::vector<Place> speed_places;
@@ -137,6 +157,8 @@ struct MoveTrack {
       curve_wishes;           // rest, ease_in, ease_out, through of a drawn speed, in order of the file
   bool ease_corners = false;  // the speed touches 0 wherever the path turns at once
   bool overshoot = true;      // false: no axis leaves the values of neighbouring keys between them
+  std::optional<std::int32_t> overlap;  // frames, of straight ways timed by frames
+  std::optional<double> round;          // weighted distance, of a straight path with a speed curve
   Place place;
 };
 
@@ -157,6 +179,14 @@ struct MoveFile {
 MoveKinetic kinetic_of(const MoveTrack& track);
 /// Whether every axis is a curve over time: the keys have frames, and the kinetic is "curves".
 bool is_over_time(const MoveTrack& track);
+
+/// For how many frames the actions before and behind a key overlap, and how far from a key the path may pass
+/// it, in weighted distance; 0 where nothing is said.
+std::int32_t overlap_of(const MoveTrack& track, const MoveKey& key);
+double round_of(const MoveTrack& track, const MoveKey& key);
+/// Whether the track or one of its keys says so.
+bool has_overlap(const MoveTrack& track);
+bool has_round(const MoveTrack& track);
 
 /// What a coordinate of a key is called: the axes, or those of MoveSpace.
 std::vector<std::string> coordinates_of(const MoveTrack& track);

@@ -15,9 +15,9 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 13> key_fields = {"at",    "tension", "continuity", "bias", "frame",
-                                                         "break", "hold",    "ease",       "unit", "way",
-                                                         "turns", "aim",     "roll"};
+constexpr std::array<std::string_view, 15> key_fields = {"at",      "tension", "continuity", "bias", "frame",
+                                                         "overlap", "round",   "break",      "hold", "ease",
+                                                         "unit",    "way",     "turns",      "aim",  "roll"};
 
 constexpr std::int64_t max_whole_turns = 1'000'000;
 
@@ -81,7 +81,13 @@ void read_lock(const TomlTable& table, std::int32_t frames, MoveKey& key) {
   }
 }
 
-/// A list has all coordinates, a table some: an axis that it leaves out stays where it is.
+bool is_drawn(const MoveTrack& track, std::size_t axis) {
+  return track.network &&
+         std::ranges::find(track.network->drawn, axis, &DrawnAxis::axis) != track.network->drawn.end();
+}
+
+/// A list has all coordinates, a table some: an axis that it leaves out is where its drawn curve is, and
+/// without one it stays where it is.
 void read_position(const TomlTable& table, std::size_t index, const MoveTrack& track, MoveKey& key) {
   const TomlValue at = table.required("at", "at = [...], a number for each axis");
   key.units = read_units(table, track, track.units);
@@ -112,6 +118,12 @@ void read_position(const TomlTable& table, std::size_t index, const MoveTrack& t
   });
   for (std::size_t d = 0; d < track.axes.size(); ++d) {
     if (is_named[d]) continue;
+    if (is_drawn(track, d)) {
+      key.is_left_out.resize(track.axes.size());
+      key.is_left_out[d] = true;
+      if (!key.units.empty()) key.units[d] = track.units.empty() ? MoveUnit::of_rig : track.units[d];
+      continue;
+    }
     if (track.keys.empty()) {
       at.refuse(
           fmt::format("leaves out axis {}, which has no key before to keep its value from; name every "
@@ -166,10 +178,37 @@ MoveKey read_key(const TomlValue& value, std::int32_t frames, MoveTrack& track) 
   }
   read_shape(table, track.spline, key);
   read_lock(table, frames, key);
+  const CornerFields corner = read_corner_fields(table, track);
+  key.overlap = corner.overlap;
+  key.round = corner.round;
   return key;
 }
 
 }  // namespace
+
+CornerFields read_corner_fields(const TomlTable& table, const MoveTrack& track) {
+  CornerFields fields;
+  const bool is_straight = track.spline == Spline::linear;
+  const bool by_frames = track.timing == Timing::frames;
+  const bool is_curve = !by_frames || kinetic_of(track) == MoveKinetic::pace;
+  if (const auto overlap = table.optional("overlap")) {
+    if (!is_straight || is_curve || kinetic_of(track) != MoveKinetic::linear) {
+      overlap->refuse(
+          R"(is for straight ways timed by frames: timing = "frames" and spline = "linear"; with a speed )"
+          "curve use round, or remove it");
+    }
+    fields.overlap = static_cast<std::int32_t>(overlap->integer(0, max_frames));
+  }
+  if (const auto round = table.optional("round")) {
+    if (!is_straight || !is_curve) {
+      round->refuse(
+          R"(is for a straight path with a speed curve: spline = "linear" without timing = "frames"; with )"
+          "keys on frames use overlap, or remove it");
+    }
+    fields.round = round->number(0, max_magnitude);
+  }
+  return fields;
+}
 
 void read_counting(const TomlTable& table, MoveTrack& track) {
   track.units = read_units(table, track, {});

@@ -127,6 +127,8 @@ void set_fields(const MoveKey& old, const EditedKey& key, InlineFields& fields) 
   set_field(fields, "hold", old.hold, key.hold, {}, written(key.hold));
   set_field(fields, "break", old.breaks, key.breaks, false, "true");
   set_field(fields, "ease", old.ease, key.ease, false, "true");
+  set_field(fields, "overlap", old.overlap, key.overlap, {}, written(key.overlap));
+  set_field(fields, "round", old.round, key.round, {}, key.round ? number_like(*key.round, "") : "");
 }
 
 std::string new_key(const EditedKey& key) {
@@ -139,13 +141,15 @@ std::string new_key(const EditedKey& key) {
   if (key.hold) text += fmt::format(", hold = {}", *key.hold);
   if (key.breaks) text += ", break = true";
   if (key.ease) text += ", ease = true";
+  if (key.overlap) text += fmt::format(", overlap = {}", *key.overlap);
+  if (key.round) text += fmt::format(", round = {}", number_like(*key.round, ""));
   return text + " }";
 }
 
 bool says_the_same(const MoveKey& old, const EditedKey& key) {
   return old.at == key.at && old.tension == key.tension && old.continuity == key.continuity &&
          old.bias == key.bias && old.frame == key.frame && old.hold == key.hold && old.breaks == key.breaks &&
-         old.ease == key.ease;
+         old.ease == key.ease && old.overlap == key.overlap && old.round == key.round;
 }
 
 bool same_keys(const MoveTrack& track, const std::vector<EditedKey>& keys) {
@@ -163,6 +167,7 @@ const toml::table& track_table(const toml::table& root, std::size_t track) {
 
 std::optional<std::string> why_fixed(const MoveTrack& track, const toml::table& table, bool in_own_units) {
   if (track.space) return "the keys are in the world; edit them as text";
+  if (track.network) return "the keys go together with the drawn curves of a network; edit both as text";
   if (!track.wraps.empty()) return "an axis counts round (wrap); edit its keys as text";
   const std::vector<MoveUnit> units = in_own_units ? track.units : std::vector<MoveUnit>{};
   const auto has_others = [&](const MoveKey& key) { return key.units != units || !key.ways.empty(); };
@@ -219,6 +224,48 @@ void set_track_field(std::string_view text, const toml::table& table, std::strin
   changes.insert(line_end, fmt::format("\n{} = {}", name, value));
 }
 
+std::string points_of(const EditedCurve& curve) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < curve.frames.size(); ++i) {
+    text += fmt::format("{}{{ frame = {}, at = {} }}", i > 0 ? ", " : "", curve.frames[i],
+                        number_like(curve.at[i], ""));
+  }
+  return text + "]";
+}
+
+/// A curve that is in the file is replaced, and a new one stands behind the others.
+void write_curves(std::string_view text, const toml::table& table, const MoveTrack& old,
+                  const std::vector<EditedCurve>& curves, TextChanges& changes) {
+  if (!old.network) throw std::invalid_argument("a curve is drawn of a track that is no network");
+  const toml::table& drawn = there(table.get_as<toml::table>("drawn"));
+  const auto has_unit = [&](const DrawnAxis& axis) { return axis.unit != MoveUnit::of_rig; };
+  if (!drawn.is_inline() || std::ranges::any_of(old.network->drawn, has_unit)) {
+    throw InputError(place_of(drawn),
+                     "the drawn curves have a unit or a section of their own; edit them as text");
+  }
+  InlineFields fields(text, drawn, changes);
+  for (const EditedCurve& curve : curves) fields.set(old.axes[curve.axis], points_of(curve));
+  fields.finish();
+}
+
+/// Whether a network has the curves that were asked for, and its others as they were.
+bool has_curves(const MoveTrack& before, const MoveTrack& after, const std::vector<EditedCurve>& curves) {
+  if (!before.network) return curves.empty();
+  for (const DrawnAxis& found : after.network->drawn) {
+    const auto wanted = std::ranges::find(curves, found.axis, &EditedCurve::axis);
+    const auto old = std::ranges::find(before.network->drawn, found.axis, &DrawnAxis::axis);
+    const bool is_wanted = wanted != curves.end();
+    if (!is_wanted && old == before.network->drawn.end()) return false;
+    if (found.frames != (is_wanted ? wanted->frames : old->frames)) return false;
+    if (found.at != (is_wanted ? wanted->at : old->at)) return false;
+  }
+  const auto is_there = [&](const EditedCurve& curve) {
+    return std::ranges::find(after.network->drawn, curve.axis, &DrawnAxis::axis) !=
+           after.network->drawn.end();
+  };
+  return std::ranges::all_of(curves, is_there);
+}
+
 std::string quoted_spline(Spline spline) {
   return fmt::format("\"{}\"", spline_words.at(static_cast<std::size_t>(spline)));
 }
@@ -230,6 +277,10 @@ void refuse_other_move(const MoveFile& move, const EditedMove& edited) {
     const std::size_t axes = coordinates_of(move.tracks[t]).size();
     const std::vector<EditedKey>& keys = edited.tracks[t].keys;
     std::vector<bool> is_used(move.tracks[t].keys.size());
+    for (const EditedCurve& curve : edited.tracks[t].drawn) {
+      if (curve.axis >= axes || curve.frames.size() != curve.at.size() || curve.frames.empty())
+        throw std::invalid_argument("a drawn curve of no axis, or without points");
+    }
     for (const EditedKey& key : keys) {
       if (key.at.size() != axes) throw std::invalid_argument("a key with another number of coordinates");
       if (!std::ranges::all_of(key.at, [](double x) { return std::isfinite(x); }))
@@ -251,6 +302,7 @@ void expect_edited(const MoveFile& before, const MoveFile& after, const EditedMo
     const MoveTrack& found = after.tracks[t];
     same = found.spline == wanted.spline && found.closed == wanted.closed &&
            found.axes == before.tracks[t].axes && found.weights == before.tracks[t].weights &&
+           has_curves(before.tracks[t], found, wanted.drawn) &&
            (wanted.keys.empty()
                 ? found.keys.size() == before.tracks[t].keys.size()
                 : found.keys.size() == wanted.keys.size() &&
@@ -276,7 +328,9 @@ EditedMove edits_of(const MoveFile& move) {
                            .frame = key.frame,
                            .hold = key.hold,
                            .breaks = key.breaks,
-                           .ease = key.ease});
+                           .ease = key.ease,
+                           .overlap = key.overlap,
+                           .round = key.round});
     }
     edited.tracks.push_back(std::move(same));
   }
@@ -312,6 +366,7 @@ std::string with_edits(std::string_view text, const std::string& file_name, cons
     }
     if (track.spline != old.spline)
       set_track_field(text, table, "spline", quoted_spline(track.spline), changes);
+    if (!track.drawn.empty()) write_curves(text, table, old, track.drawn, changes);
     if (track.closed != old.closed) {
       set_track_field(text, table, "closed", track.closed ? "true" : "false", changes);
     }

@@ -25,6 +25,15 @@ struct EditedKey {
   std::optional<std::int32_t> hold = {};
   bool breaks = false;
   bool ease = false;
+  std::optional<std::int32_t> overlap = {};  ///< of the key itself; nothing: as the track says
+  std::optional<double> round = {};
+};
+
+/// The curve of one axis of a network, as it is drawn anew: in the unit of the rig.
+struct EditedCurve {
+  std::size_t axis = 0;
+  std::vector<std::int32_t> frames;
+  std::vector<double> at;
 };
 
 struct EditedTrack {
@@ -32,7 +41,8 @@ struct EditedTrack {
   std::optional<std::vector<double>> speed;  ///< control values; nothing: as it is
   Spline spline = Spline::smooth;
   bool closed = false;
-  bool in_own_units = false;  ///< coordinates are in the units that the track has in its file
+  bool in_own_units = false;            ///< coordinates are in the units that the track has in its file
+  std::vector<EditedCurve> drawn = {};  ///< of a network; the other curves are as they are
 };
 
 /// A whole move as an editor wants it. Whatever is not named here stays.

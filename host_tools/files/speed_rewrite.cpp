@@ -88,7 +88,7 @@ std::string rewritten(std::string_view text, const WrittenList& list, std::span<
 bool same_key(const MoveKey& a, const MoveKey& b) {
   return a.at == b.at && a.units == b.units && a.ways == b.ways && a.tension == b.tension &&
          a.continuity == b.continuity && a.bias == b.bias && a.frame == b.frame && a.breaks == b.breaks &&
-         a.hold == b.hold && a.ease == b.ease;
+         a.hold == b.hold && a.ease == b.ease && a.overlap == b.overlap && a.round == b.round;
 }
 
 std::int32_t frames_of(const std::optional<EaseWish>& ease) {
@@ -99,8 +99,9 @@ bool same_but_speed(const MoveTrack& a, const MoveTrack& b) {
   return a.axes == b.axes && a.units == b.units && a.wraps == b.wraps && a.spline == b.spline &&
          a.closed == b.closed && a.periodic == b.periodic && a.weights == b.weights && a.timing == b.timing &&
          a.kinetic == b.kinetic && a.rest == b.rest && a.ease_corners == b.ease_corners &&
-         a.overshoot == b.overshoot && a.through == b.through &&
-         frames_of(a.ease_in) == frames_of(b.ease_in) && frames_of(a.ease_out) == frames_of(b.ease_out) &&
+         a.overshoot == b.overshoot && a.through == b.through && a.overlap == b.overlap &&
+         a.round == b.round && frames_of(a.ease_in) == frames_of(b.ease_in) &&
+         frames_of(a.ease_out) == frames_of(b.ease_out) &&
          std::equal(a.keys.begin(), a.keys.end(), b.keys.begin(), b.keys.end(), same_key);
 }
 

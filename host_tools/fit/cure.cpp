@@ -109,6 +109,8 @@ class CureSearch {
   /// The first change after which no axis of the track is refused; or else the one that needs the least of
   /// slowing down.
   [[nodiscard]] std::optional<Tried> cured_track(const Tried& from, std::size_t track) const {
+    // Its keys go together with what is drawn.
+    if (from.move.tracks[track].network) return std::nullopt;
     using Change = bool (CureSearch::*)(Tried&, std::size_t) const;
     using Self = CureSearch;
     const std::vector<std::vector<Change>> ways{{&Self::join_near_keys},
@@ -299,12 +301,23 @@ class CureSearch {
     say(tried, index, track.place, "corners = \"ease\"");
     return true;
   }
+  /// A path that is not straight has no corners to round.
+  static void leave_corners(MoveTrack& track) {
+    track.overlap.reset();
+    track.round.reset();
+    for (MoveKey& key : track.keys) {
+      key.overlap.reset();
+      key.round.reset();
+    }
+  }
   bool smooth(Tried& tried, std::size_t index) const {
     MoveTrack& track = tried.move.tracks[index];
     if (track.spline == Spline::smooth || !(has_curve(track) || is_over_time(track))) return false;
     track.spline = Spline::smooth;
     for (MoveKey& key : track.keys) key.tension = key.continuity = key.bias = 0;
-    say(tried, index, track.place, "spline = \"smooth\"");
+    say(tried, index, track.place,
+        has_round(track) ? "spline = \"smooth\" in place of round" : "spline = \"smooth\"");
+    leave_corners(track);
     return true;
   }
   bool curve(Tried& tried, std::size_t index) const {
@@ -316,6 +329,8 @@ class CureSearch {
       track.spline = Spline::smooth;
       words += " and spline = \"smooth\"";
     }
+    if (has_overlap(track)) words += " in place of overlap";
+    leave_corners(track);
     say(tried, index, track.place, words);
     return true;
   }

@@ -45,7 +45,8 @@ FewestFit fit_in_fewest_frames(const Plan& plan, const CheckReport& report, cons
     best.fit = fit_speed(plan, report, options);
     if (!best.fit.found) return best;
   }
-  std::int32_t refused = std::min(best.fit.fewest.frames, fitting) - 1;
+  std::int32_t refused =
+      why_frames_are_fixed(plan.move()) ? fitting - 1 : std::min(best.fit.fewest.frames, fitting) - 1;
   const double steps = std::log2(std::max(fitting - refused, 2));
   for (int tried = 0; fitting - refused > 1 && !options.ends(); ++tried) {
     const std::int32_t middle = refused + (fitting - refused) / 2;

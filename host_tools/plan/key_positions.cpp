@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "host_tools/plan/network_track.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -26,9 +28,13 @@ class SettledAxis {
         unit_(has_rig_ ? rig_axis->unit : unit_without_rig(track, axis)) {}
 
   void settle() {
-    for (MoveKey& key : track_.keys) key.at[axis_] = in_unit(key, key.at[axis_], unit_of(key.units, axis_));
+    for (MoveKey& key : track_.keys) {
+      if (!key.is_left_out.empty() && key.is_left_out[axis_]) continue;
+      key.at[axis_] = in_unit(key.at[axis_], unit_of(key.units, axis_), key.at_places, axis_);
+    }
+    if (track_.network) settle_drawn();
     if (track_.wraps.empty() || track_.wraps[axis_] == 0) return;
-    turn_ = in_unit(track_.keys.front(), track_.wraps[axis_], unit_of(track_.units, axis_));
+    turn_ = in_unit(track_.wraps[axis_], unit_of(track_.units, axis_), track_.keys.front().at_places, axis_);
     for (const MoveKey& key : track_.keys) refuse_more_than_a_turn(key);
     for (std::size_t k = 1; k < track_.keys.size(); ++k) {
       track_.keys[k].at[axis_] = way_to(k, track_.keys[k - 1].at[axis_]);
@@ -39,11 +45,23 @@ class SettledAxis {
   }
 
  private:
-  [[nodiscard]] double in_unit(const MoveKey& key, double position, MoveUnit from) const {
+  void settle_drawn() {
+    for (DrawnAxis& drawn : track_.network->drawn) {
+      if (drawn.axis != axis_) continue;
+      for (std::size_t i = 0; i < drawn.at.size(); ++i) {
+        drawn.at[i] = in_unit(drawn.at[i], drawn.unit, drawn.places, i);
+      }
+      drawn.unit = MoveUnit::of_rig;
+    }
+  }
+
+  /// The position is the one that stands at places[index].
+  [[nodiscard]] double in_unit(double position, MoveUnit from, const std::vector<Place>& places,
+                               std::size_t index) const {
     if (!unit_) return position;
     const std::string name = in_quotes(track_.axes[axis_]);
     if (!has_rig_ && from == MoveUnit::of_rig) {
-      throw InputError(key.at_places[axis_],
+      throw InputError(places[index],
                        fmt::format("axis {} is in {} elsewhere and here in the unit of the rig, which is not "
                                    "known; give it a unit, or plan with --rig",
                                    name, to_string(*unit_)));
@@ -51,7 +69,7 @@ class SettledAxis {
     const std::optional<double> result = converted(position, from, *unit_);
     if (result) return *result;
     throw InputError(
-        key.at_places[axis_],
+        places[index],
         fmt::format("axis {} is given in {}, and it counts {}{}; give it a unit of that kind, or "
                     "none: unit = {{ {} = ... }} is for one axis",
                     name, to_string(from), to_string(*unit_), has_rig_ ? " in the rig" : "",
@@ -103,6 +121,10 @@ std::optional<AxisUnit> unit_without_rig(const MoveTrack& track, std::size_t axi
     const MoveUnit unit = unit_of(key.units, axis);
     if (unit != MoveUnit::of_rig) return nearest_axis_unit(unit);
   }
+  if (!track.network) return std::nullopt;
+  for (const DrawnAxis& drawn : track.network->drawn) {
+    if (drawn.axis == axis && drawn.unit != MoveUnit::of_rig) return nearest_axis_unit(drawn.unit);
+  }
   return std::nullopt;
 }
 
@@ -120,6 +142,7 @@ void settle_positions(MoveFile& move, const std::optional<RigFile>& rig) {
       key.units.clear();
       key.ways.clear();
     }
+    if (track.network) settle_left_out(track);
   }
 }
 

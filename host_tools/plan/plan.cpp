@@ -11,6 +11,7 @@
 
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/key_positions.hpp"
+#include "host_tools/plan/network_track.hpp"
 #include "host_tools/plan/space_track.hpp"
 #include "host_tools/plan/unmet_lock.hpp"
 
@@ -27,6 +28,8 @@ struct TrackNumbers {
   std::vector<KeyShape> shapes;
   std::vector<KeyLock> locks;
   std::vector<std::int32_t> key_frames;
+  std::vector<std::int32_t> overlaps;
+  std::vector<double> tolerances;
   std::vector<double> speed;
   TrackSpec spec;
 
@@ -56,11 +59,28 @@ struct TrackNumbers {
     } else {
       take_locks(track);
     }
+    take_corners(track);
     spec.frames = move.frames;
     spec.fps = move.fps.rate;
   }
 
  private:
+  /// Straight ways that overlap in time are curves over time, though each of them is linear.
+  void take_corners(const MoveTrack& track) {
+    if (track.keys.size() < 2) return;
+    if (has_overlap(track)) {
+      for (const MoveKey& key : track.keys) overlaps.push_back(overlap_of(track, key));
+      spec.path.overlap_frames = overlaps;
+      spec.kinetic = Kinetic::curves;
+    }
+    if (has_round(track)) {
+      for (const MoveKey& key : track.keys) tolerances.push_back(round_of(track, key));
+      // A closed path that is no loop ends at its seam.
+      if (!track.periodic) tolerances.front() = 0;
+      spec.path.path_tolerances = tolerances;
+    }
+  }
+
   void take_locks(const MoveTrack& track) {
     for (std::size_t k = 0; k < track.keys.size(); ++k) {
       const MoveKey& key = track.keys[k];
@@ -151,6 +171,10 @@ std::string message_of(const SolverError& refused, const MoveTrack& track, std::
         where, error.key);
   }
   if (error.key >= 0) where += fmt::format("key {}: ", error.key);
+  if (error.needed > 0 && has_overlap(track)) {
+    return fmt::format("{}{}; an overlap of {} at both of its keys goes in", where, error.what,
+                       counted(error.needed, "frame"));
+  }
   if (error.frame >= 0) where += fmt::format("frame {}: ", error.frame);
   if (const auto* proven = dynamic_cast<const UnmetLock*>(&refused))
     return fmt::format("{}{}; {}", where, error.what, proven->remedy());
@@ -237,6 +261,19 @@ SolvedTrack solve_track(const MoveTrack& track, const MoveFile& move, const std:
                                           .weights = followed->weights,
                                           .knots = followed->knots};
       refuse_open_loop(track, *followed);
+    }
+    NetworkPath network;
+    if (track.network) {
+      network = network_of(track, numbers.spec);
+      numbers.weights.resize(track.axes.size(), 1);  // all 1 where none are given
+      numbers.spec.cubics = CubicPathSpec{.spline = track.spline,
+                                          .closed = false,
+                                          .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                                          .key_count = static_cast<std::int32_t>(track.keys.size()),
+                                          .cubics = network.cubics,
+                                          .weights = numbers.weights,
+                                          .knots = network.knots,
+                                          .over_frames = true};
     }
     SolvedTrack solved(numbers.spec, options.solver, {}, same_keys);
     if (same_keys == nullptr) value_or_throw(check_invariants(solved.track(), solved.table()));
@@ -386,7 +423,9 @@ void Plan::warn_of_mixed_units() {
   if (!rig_) return;
   for (std::size_t t = 0; t < move_.tracks.size(); ++t) {
     const MoveTrack& track = move_.tracks[t];
-    const bool is_said = !track.weights.empty() || track.space || track.distance;
+    // Over time no distance decides anything.
+    const bool is_over = is_over_time(track) || has_overlap(track);
+    const bool is_said = !track.weights.empty() || track.space || track.distance || is_over;
     if (is_said || track.keys.size() == 1 || !length_unit(t).empty()) continue;
     std::set<std::string_view> units;
     for (const PlanAxis& axis : axes_) {

@@ -15,6 +15,7 @@
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/json_writer.hpp"
 #include "host_tools/plan/link_rows.hpp"
+#include "host_tools/plan/passed_keys.hpp"
 #include "inbetween/base/hash.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
@@ -39,6 +40,25 @@ void add_space(const MoveTrack& track, Fnv1a& hash) {
   for (const std::optional<double>& value : space.near) {
     hash.add(static_cast<std::int32_t>(value.has_value()));
     hash.add(value.value_or(0));
+  }
+}
+
+/// Nothing where no corner is rounded.
+void add_corners(const MoveTrack& track, Fnv1a& hash) {
+  for (const MoveKey& key : track.keys) {
+    if (has_overlap(track)) hash.add(overlap_of(track, key));
+    if (has_round(track)) hash.add(round_of(track, key));
+  }
+}
+
+void add_network(const MoveTrack& track, Fnv1a& hash) {
+  if (!track.network) return;
+  for (const double place : track.network->places) hash.add(place);
+  for (const DrawnAxis& drawn : track.network->drawn) {
+    hash.add(static_cast<std::int32_t>(drawn.axis));
+    hash.add(static_cast<std::int32_t>(drawn.frames.size()));
+    for (const std::int32_t frame : drawn.frames) hash.add(frame);
+    for (const double value : drawn.at) hash.add(value);
   }
 }
 
@@ -73,7 +93,9 @@ std::uint64_t hash_of(const MoveFile& move) {
       hash.add(ease ? ease->frames : 0);
     }
     hash.add(static_cast<std::int32_t>(track.through));
+    add_corners(track, hash);
     add_space(track, hash);
+    add_network(track, hash);
     for (const std::vector<double>* list : {&track.speed, &track.weights, &track.lap}) {
       hash.add(static_cast<std::int32_t>(list->size()));
       for (const double value : *list) hash.add(value);
@@ -131,18 +153,46 @@ void write_speed(const MoveTrack& track, const SolvedTrack& solved, JsonWriter& 
   });
 }
 
-void write_track(const MoveTrack& track, const SolvedTrack& solved, const WholeFrames& part,
-                 JsonWriter& json) {
+/// Only where corners are rounded: the keys that are not met.
+void write_passed(const Plan& plan, std::size_t track, JsonWriter& json) {
+  const std::vector<PassedKey> passed = passed_keys(plan, track);
+  if (passed.empty()) return;
+  json.line();
+  json.objects("passed_keys", passed, [&](const PassedKey& key) {
+    json.member("key", key.key);
+    json.member("frame", key.frame);
+    json.member("missed", key.missed);
+    json.member("distance", key.distance);
+  });
+}
+
+void write_network(const MoveTrack& track, JsonWriter& json) {
+  if (!track.network) return;
+  json.line();
+  json.object("network", [&] {
+    json.member("places", track.network->places);
+    json.objects("drawn", track.network->drawn, [&](const DrawnAxis& drawn) {
+      json.member("axis", track.axes[drawn.axis]);
+      json.member("points", drawn.frames.size());
+    });
+  });
+}
+
+void write_track(const Plan& plan, std::size_t index, JsonWriter& json) {
+  const MoveTrack& track = plan.move().tracks[index];
+  const SolvedTrack& solved = plan.tracks()[index];
   json.member("axes", track.axes);
   json.member("solver", solved.integrated() ? "runge-kutta" : "closed-form");
   json.member("speed_error", solved.table().provenance().speed_error);
   json.member("hash", fmt::format("{:016x}", hash_of(solved.table().points())));
   json.member("length", solved.track().arc_length().total());
   write_speed(track, solved, json);
+  write_network(track, json);
   json.line();
   write_segments(solved.track().path(), json);
+  write_passed(plan, index, json);
   json.line();
-  write_table(solved, part, json);
+  write_table(solved, plan.part(), json);
 }
 
 /// Rows of a column, both included.
@@ -245,8 +295,7 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
   json.member("duration_s", plan.duration_s());
   json.member("hash", hash_in_words(move));
   json.line();
-  json.objects("tracks", move.tracks.size(),
-               [&](std::size_t t) { write_track(move.tracks[t], plan.tracks()[t], plan.part(), json); });
+  json.objects("tracks", move.tracks.size(), [&](std::size_t t) { write_track(plan, t, json); });
   json.line();
   write_axes(plan, rows, json);
   write_tips(plan, rows, json);

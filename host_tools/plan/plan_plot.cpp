@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/plan/link_rows.hpp"
+#include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 #include "inbetween/base/bisection.hpp"
 
@@ -93,6 +94,12 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
     plot.key_frames.push_back(frame_of_segment(track, i));
     if (plot.keys.front().size() == written.keys.size()) continue;  // the return to key 0
     for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(track.path().segment(i)[d].c0);
+  }
+  if (!passed_keys(plan, index).empty()) {
+    plot.passed = plot.keys;
+    for (std::size_t k = 0; k < written.keys.size(); ++k) {
+      for (std::size_t d = 0; d < axes; ++d) plot.keys[d][k] = written.keys[k].at[d];
+    }
   }
   plot.key_frames.back() = track.frames();
   if (solved.key_timing()) take_holds(*solved.key_timing(), track.frames(), plot);

@@ -12,8 +12,8 @@ namespace {
 
 /// At the default delta a segment takes about 17 pieces; what is missing is told by the core.
 constexpr std::size_t usual_pieces_per_segment = 24;
-/// A path over frames has so many beside a rest.
-constexpr std::size_t max_segments_between_keys = 4;
+/// A path over frames has so many beside a rest, and one with rounded corners.
+constexpr std::size_t max_segments_between_keys = 5;
 
 /// Whether the frames of the keys are the knots of the path.
 bool is_path_over_frames(const TrackSpec& spec) {
@@ -225,6 +225,8 @@ Path MeasuredPath::make_path(const TrackSpec& spec) {
     path.key_frames = spec.key_frames;
     path.rests_at_start = spec.rests_at_start;
     path.rests_at_end = spec.rests_at_end;
+  }
+  if (!path.key_frames.empty() || !path.path_tolerances.empty()) {
     rows *= max_segments_between_keys;
     knots_.resize(rows);
   }

@@ -97,6 +97,10 @@ MoveFile turns_of(const Plan& plan, std::int32_t turns) {
   const MoveFile& move = plan.move();
   for (const MoveTrack& track : move.tracks) {
     if (track.periodic) continue;
+    if (track.network) {
+      throw InputError(track.network->place,
+                       "only a periodic move has turns, and a network is played once; leave out --turns");
+    }
     throw InputError(
         track.place,
         "only a periodic move has turns, and this track is none; add closed = true and periodic = "

@@ -159,6 +159,7 @@ void require_consistent(const PlotTrack& track, const PlotMove& move) {
   require_rows(track.tangents, track.axes.size(), positions, "tangents");
   require_rows(track.keys, track.axes.size(), track.keys.front().size(), "keys");
   const std::size_t keys = track.keys.front().size();
+  if (!track.passed.empty()) require_rows(track.passed, track.axes.size(), keys, "passed");
   require(track.key_frames.size() == keys || track.key_frames.size() == keys + 1,
           "key_frames needs a frame for each key, and one more on a closed path");
   require(track.speed.size() == positions, "speed needs a value for each of the frames 0..N");

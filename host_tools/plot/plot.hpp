@@ -32,12 +32,14 @@ struct PlotTrack {
   std::vector<std::vector<double>>
       tangents;                           // [axis of the track][frame], direction of the path, of any length
   std::vector<std::vector<double>> keys;  // [axis of the track][key], at least one key
-  std::vector<double> key_frames;         // where each key is met; one more than keys on a closed path
-  std::vector<double> key_holds;          // frames that each rests from there on; empty if none rests
-  std::vector<double> control_values;     // v_0..v_f over a = 0..f; empty for a track without a speed curve
-  std::vector<double> curve;              // phi sampled evenly over a in [0, f]; empty with control_values
-  std::string speed_unit;                 // "mm/s"; "" when unknown
-  std::vector<double> speed;              // N + 1, unit/s along the path
+  /// Where the path passes the keys, in the same shape; empty where it meets all of them.
+  std::vector<std::vector<double>> passed = {};
+  std::vector<double> key_frames;      // where each key is met; one more than keys on a closed path
+  std::vector<double> key_holds;       // frames that each rests from there on; empty if none rests
+  std::vector<double> control_values;  // v_0..v_f over a = 0..f; empty for a track without a speed curve
+  std::vector<double> curve;           // phi sampled evenly over a in [0, f]; empty with control_values
+  std::string speed_unit;              // "mm/s"; "" when unknown
+  std::vector<double> speed;           // N + 1, unit/s along the path
   /// The speed of a track without a curve, with even steps between the frames; empty: straight from frame to
   /// frame.
   std::vector<double> speed_line = {};

@@ -295,6 +295,12 @@ void draw_path_panel(Canvas& canvas, const Box& panel, const PlotMove& move, con
   }
   auto spots = spots_along(line);
   for (const auto& [from, to] : ticks) spots.insert(spots.end(), {from, to});
+  if (!track.passed.empty()) {
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      const Point passed{scales.x(track.passed[plane.across][i]), scales.y(track.passed[plane.up][i])};
+      canvas.line(keys[i], passed, {plot_color::key, 1});
+    }
+  }
   std::string remarks = plane.up == 1
                             ? tick_remark(every, !ticks.empty(), slow_and_fast)
                             : "third axis over the first; " + tick_remark(every, !ticks.empty(), "");

@@ -143,10 +143,11 @@ const std::vector<double>& line_of(const PlotAxis& axis) {
   return axis.line.empty() ? axis.positions : axis.line;
 }
 
-// The moved range and each limit that is not much further out.
-Range row_range(const PlotAxis& axis) {
+// The moved range, keys that are passed in some distance, and each limit that is not much further out.
+Range row_range(const PlotAxis& axis, std::span<const double> passed_keys) {
   constexpr double rounding = 1e-12;  // of a position, in any unit that a rig is measured in
   Range moved = range_of(line_of(axis));
+  for (const double key : passed_keys) moved = {std::min(moved.low, key), std::max(moved.high, key)};
   if (moved.size() < rounding) moved = {moved.low, moved.low};
   moved = widened(moved, 0);
   const Range near = widened(moved, 0.6);
@@ -179,7 +180,11 @@ Range range_in_frames(const PlotMove& move) {
 
 void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move, std::size_t index) {
   const PlotAxis& axis = move.axes[index];
-  const Scale y(row_range(axis), area.bottom(), area.y);
+  const Mover mover = mover_of(move, index);
+  const bool passes_keys = mover.track != nullptr && !mover.track->passed.empty();
+  const std::span<const double> passed_keys =
+      passes_keys ? std::span<const double>(mover.track->keys[mover.axis]) : std::span<const double>();
+  const Scale y(row_range(axis, passed_keys), area.bottom(), area.y);
   const Scale x(range_in_frames(move), area.x, area.right());
   shade_outside(canvas, area, x, {static_cast<double>(move.part.first), static_cast<double>(move.part.last)});
   const TickLabels labels = draw_left_ticks(canvas, area, y);
@@ -193,7 +198,6 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   canvas.text({left, below.empty() ? middle + 4 : middle - 2}, elided(canvas, axis.name, bold, room), bold);
   canvas.text({left, middle + 13}, elided(canvas, below, plain, room), plain);
   draw_limits(canvas, area, axis, y);
-  const Mover mover = mover_of(move, index);
   const Color color = mover.track ? track_color(mover.index) : plot_color::quiet;
   // The samples of the line count from 0.
   const std::vector<double>& line = line_of(axis);
@@ -208,6 +212,9 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
     const double at = i < keys.size() ? keys[i] : mover.track->path[mover.axis].back();
     const Point begin{x(mover.track->key_frames[i]), y(at)};
     canvas.disc(begin, radius, plot_color::key);
+    if (passes_keys && i < keys.size()) {
+      canvas.line(begin, {begin.x, y(mover.track->passed[mover.axis][i])}, {plot_color::key, 1});
+    }
     const double hold = hold_of(*mover.track, i);
     if (hold == 0) continue;
     const double to = std::min(mover.track->key_frames[i] + hold, static_cast<double>(move.part.last));
@@ -273,13 +280,19 @@ double positions_height(const PlotMove& move) {
   return above_rows + rows * (row_height(move.axes.size()) + row_gap) - row_gap + below_rows;
 }
 
+std::string dots_in_words(const PlotMove& move) {
+  const bool passes =
+      std::ranges::any_of(move.tracks, [](const PlotTrack& track) { return !track.passed.empty(); });
+  return passes ? "dots: keys, a line to where the axis is then" : "dots: keys";
+}
+
 void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move) {
   const double height = row_height(move.axes.size());
   Box area{panel.x + left_room, panel.y + above_rows, panel.width - left_room - right_room, height};
   const bool rolls = move.first_frame < move.part.first || move.last_frame > move.part.last;
   draw_heading(
       canvas, {panel.x, panel.y + 14}, "Axis positions",
-      rolls ? "dots: keys; dashed: limits; grey: pre-roll and post-roll" : "dots: keys; dashed: limits",
+      dots_in_words(move) + (rolls ? "; dashed: limits; grey: pre-roll and post-roll" : "; dashed: limits"),
       panel.width);
   draw_time_ticks(canvas, {area.x, area.y, area.width, panel.height - above_rows - below_rows}, move);
   for (std::size_t i = 0; i < move.axes.size(); ++i) {

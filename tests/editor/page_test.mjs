@@ -161,6 +161,82 @@ test("a key is locked a frame later by the arrow, held, eased; the path is close
   await editor.end();
 });
 
+/** From a key to where the path passes it, in pixels. */
+const missOf = (page, k) => page.locator("#plan .key .miss").nth(k).evaluate((line) =>
+  Math.hypot(Number(line.getAttribute("x2")), Number(line.getAttribute("y2"))));
+
+test("actions overlap at a key by the number that is typed, and the miss is drawn", async () => {
+  const editor = await edit("storyboard.toml", "camera_rig.toml");
+  const before = await missOf(editor.page, 3);
+  assert.ok(before > 1, "the path passes beside key 3");
+  assert.equal(await missOf(editor.page, 0), 0, "the first key is met");
+  await afterwards(editor, async (page) => {
+    await pick(page, key(page, 3));
+    assert.equal(await page.locator("#key-corner").getAttribute("placeholder"), "12");
+    await page.locator("#key-corner").fill("30");
+    await page.locator("#key-corner").press("Enter");
+  });
+  assert.match(editor.read(), /frame = 168, overlap = 30 }/);
+  assert.ok(await missOf(editor.page, 3) > 1.5 * before);
+  await editor.picture("overlap");
+  await afterwards(editor, async (page) => {
+    await page.locator("#key-corner").fill("");
+    await page.locator("#key-corner").press("Enter");
+  });
+  assert.doesNotMatch(editor.read(), /overlap = 30/);
+  assert.ok(Math.abs(await missOf(editor.page, 3) - before) < 0.2);
+  await editor.end();
+});
+
+test("a corner of a straight path is rounded by the distance that is typed", async () => {
+  const editor = await edit("reveal.toml", "camera_rig.toml", {
+    text: readFileSync(example("reveal.toml"), "utf8").replace('"smooth"', '"linear"') });
+  assert.equal(await missOf(editor.page, 2), 0);
+  await afterwards(editor, async (page) => {
+    await pick(page, key(page, 2));
+    await page.locator("#key-corner").fill("25");
+    await page.locator("#key-corner").press("Enter");
+    await pick(page, key(page, 3));
+    await page.locator("#key-ease").check();
+  });
+  assert.match(editor.read(), /round = 25 }/);
+  assert.ok(await missOf(editor.page, 2) > 1);
+  await editor.picture("round");
+  // What is inserted on the path of a track with more segments than keys is between its keys.
+  await afterwards(editor, async (page) => {
+    await pick(page, key(page, 3));
+    await page.locator("#insert-key").click();
+  });
+  await afterwards(editor, async (page) => page.locator("#spline").selectOption("smooth"));
+  assert.doesNotMatch(editor.read(), /round/);
+  await editor.end();
+});
+
+test("a fin is seen as a row of axes, and a curve of it is drawn by hand", async () => {
+  const editor = await edit("fish.toml", "fish_rig.toml");
+  await editor.page.waitForSelector("#row:not([hidden]) canvas");
+  await editor.picture("row");
+  assert.equal(await editor.page.locator("#saved").textContent(), "saved", "nothing has been edited");
+  const first = await editor.shown();
+  await editor.page.keyboard.press("d");
+  const row = await editor.page.locator("#row svg").boundingBox();
+  const [x, y] = [row.x + row.width / 2, row.y + row.height * 0.93]; // in the row of the last ray
+  await editor.page.mouse.move(x, y);
+  await editor.page.mouse.down();
+  for (let i = 1; i <= 40; ++i) await editor.page.mouse.move(x, y - 30 * Math.sin((i / 40) * 2 * Math.PI) - (i % 2));
+  await editor.page.mouse.up();
+  await written(() => /ray_8 = \[\{ frame = 0, at = 0 }, /.test(editor.read()));
+  // The program works the others out, and what it plans is what the page shows.
+  await until(editor.page, (before) => document.querySelector("#verdict").dataset.hash !== before, first);
+  await written(async () => (await editor.shown()) === editor.planned());
+  assert.match(editor.read(), /frame = 96, at = 0 }\] }/, "the last key is met");
+  await editor.picture("row_drawn");
+  await editor.page.keyboard.press("Control+z");
+  await written(async () => (await editor.shown()) === first);
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
 test("a press, a choice and a word being typed in the side panel outlast the pictures that fall within them", async () => {
   const editor = await reveal();
   const { page } = editor;
@@ -425,7 +501,7 @@ test("a change is saved by itself, and undo reaches back over it", async () => {
 test("other kinds of move open with the hash of the command line", async () => {
   for (const [move, rig] of [["nod.toml", "puppet_head.toml"], ["turntable.toml", "turntable_rig.toml"],
     ["track_and_focus.toml", null], ["jaw.toml", null], ["crane/over_the_table.toml", "crane/rig.toml"],
-    ["marionette/walk.toml", "marionette/rig.toml"]]) {
+    ["marionette/walk.toml", "marionette/rig.toml"], ["storyboard.toml", "camera_rig.toml"]]) {
     const editor = await edit(move, rig);
     assert.equal(await editor.shown(), editor.planned(), move);
     assert.deepEqual(editor.complaints, [], move);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <map>
 #include <vector>
@@ -121,6 +122,7 @@ class Writer {
   }
 
   void write_track(const std::vector<std::string>& axes, bool in_space) {
+    track_axes_ = axes;
     std::vector<std::string> quoted;
     for (const std::string& axis : axes) quoted.push_back('"' + axis + '"');
     files_.move += fmt::format("[[track]]\naxes = [{}]\n", fmt::join(quoted, ", "));
@@ -128,6 +130,9 @@ class Writer {
     const bool has_frames = chance(0.25);
     const bool is_aimed_by_track = in_space && kind_ == Kind::crane && chance(0.5);
     spline_ = one_of<std::string>({"smooth", "smooth", "catmull-rom", "tcb", "linear"});
+    drawn_.clear();
+    const bool is_of_plain_rig = kind_ == Kind::plain || kind_ == Kind::none;
+    if (has_frames && is_of_plain_rig && spline_ == "smooth" && keys > 1) write_network(axes);
     if (spline_ != "smooth" || chance(0.3)) files_.move += "spline = \"" + spline_ + "\"\n";
     const bool may_keep_between = spline_ == "smooth" || spline_ == "catmull-rom";
     if (chance(0.2)) {
@@ -159,9 +164,44 @@ class Writer {
         files_.move += fmt::format("weights = [{}]\n", fmt::join(weights, ", "));
       }
     }
+    if (spline_ == "linear") {
+      may(has_frames ? 0.4 : 0.02, fmt::format("overlap = {}", one_of({0, 1, 2, 8})));
+      may(has_frames || in_space ? 0.02 : 0.4, fmt::format("round = {}", one_of({0.0, 0.25, 4.0, 100.0})));
+    }
     files_.move += "keys = [\n";
     for (int k = 0; k < keys; ++k) write_key(k, keys, axes.size(), has_frames, in_space, is_aimed_by_track);
     files_.move += "]\n";
+  }
+
+  /// Half of the time. The first axis is drawn, and sometimes the last. Keys leave them out, so that they
+  /// meet their curves. The numbers are not of random_: other files stay what they have been.
+  void write_network(const std::vector<std::string>& axes) {
+    std::seed_seq seed(files_.move.begin(), files_.move.end());
+    std::mt19937 random_of_network(seed);
+    const auto real = [&](double least, double most) {
+      return std::uniform_real_distribution<double>(least, most)(random_of_network);
+    };
+    const auto number = [&](int least, int most) {
+      return std::uniform_int_distribution<int>(least, most)(random_of_network);
+    };
+    if (number(0, 1) == 0) return;
+    files_.move += "network = true\n";
+    drawn_.push_back(0);
+    if (axes.size() > 1 && number(0, 1) == 0) drawn_.push_back(axes.size() - 1);
+    std::vector<std::string> curves;
+    for (const std::size_t d : drawn_) {
+      std::string points = fmt::format("{{ frame = 0, at = {} }}", real(-30, 60));
+      for (int frame = number(1, 20); frame < frames_; frame += number(1, 20)) {
+        points += fmt::format(", {{ frame = {}, at = {} }}", frame, number(0, 2) == 0 ? 0.0 : real(-30, 60));
+      }
+      curves.push_back(
+          fmt::format("{} = [{}, {{ frame = {}, at = {} }}]", axes[d], points, frames_, real(-30, 60)));
+    }
+    files_.move += fmt::format("drawn = {{ {} }}\n", fmt::join(curves, ", "));
+    if (number(0, 2) > 0) return;
+    std::vector<int> places{0};
+    while (places.size() < axes.size()) places.push_back(places.back() + number(0, 2));
+    files_.move += fmt::format("places = [{}]\n", fmt::join(places, ", "));
   }
 
   void write_speed() {
@@ -204,7 +244,16 @@ class Writer {
     add(k == 0 || k == keys - 1 || has_frames ? 0.02 : 0.2, "ease = true");
     add(spline_ == "tcb" ? 0.3 : 0.005, fmt::format("tension = {}", one_of({-1.0, 0.3, 1.0})));
     add(spline_ == "tcb" ? 0.3 : 0.005, fmt::format("continuity = {}", one_of({-1.0, 1.0})));
-    files_.move += fmt::format("  {{ at = [{}]{} }},\n", fmt::join(at, ", "), more);
+    files_.move += fmt::format("  {{ at = {}{} }},\n", position_in_words(at), more);
+  }
+  [[nodiscard]] std::string position_in_words(const std::vector<double>& at) const {
+    if (drawn_.empty()) return fmt::format("[{}]", fmt::join(at, ", "));
+    std::vector<std::string> words;
+    for (std::size_t d = 0; d < at.size(); ++d) {
+      if (std::ranges::find(drawn_, d) == drawn_.end())
+        words.push_back(fmt::format("{} = {}", track_axes_[d], at[d]));
+    }
+    return fmt::format("{{ {} }}", fmt::join(words, ", "));
   }
 
   std::mt19937& random_;
@@ -214,6 +263,8 @@ class Writer {
   bool wants_space_ = false;
   std::string spline_;
   std::vector<double> last_at_;
+  std::vector<std::string> track_axes_;
+  std::vector<std::size_t> drawn_;  ///< axes of the track, if it is a network
 };
 
 }  // namespace

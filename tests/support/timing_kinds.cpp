@@ -32,6 +32,11 @@ const std::string uneven =
     "= [20, 9], frame = 11 }, { at = [40, 15], frame = 30 }, { at = [60, 21], frame = "
     "48 }]\n";
 
+const std::string straight = "spline = \"linear\"\n";
+const std::string overlapping = straight + by_frames;
+const std::string returning = straight + "timing = \"frames\"\n" +
+                              keys_of({", frame = 0", ", frame = 9", ", frame = 25", ", frame = 40"});
+
 }  // namespace
 
 const std::vector<TimingKind>& timing_kinds() {
@@ -68,6 +73,22 @@ const std::vector<TimingKind>& timing_kinds() {
                 keys_of({", frame = 0", ", frame = 9", ", frame = 25", ", frame = 40"}) + periodic,
        .rolls = true,
        .is_drawn = false},
+      {.name = "overlap", .track = overlapping + "overlap = 8\n", .is_drawn = false},
+      {.name = "overlap_that_moves",
+       .track = overlapping + "overlap = 12\nrest = \"none\"\n",
+       .rolls = true,
+       .is_drawn = false},
+      {.name = "periodic_overlap",
+       .track = returning + "overlap = 8\n" + periodic,
+       .rolls = true,
+       .is_drawn = false},
+      {.name = "rounded", .track = straight + "round = 90\n" + keys_of({}) + rests},
+      {.name = "rounded_held",
+       .track = straight + keys_of({"", ", frame = 14, round = 20, hold = 6", ", round = 90"}) + rests},
+      {.name = "periodic_rounded",
+       .track = straight + "round = 90\n" + keys_of({}) + moves + periodic,
+       .rolls = true},
+      {.name = "rounded_pace", .track = overlapping + "kinetic = \"pace\"\nround = 3\n", .is_drawn = false},
   };
   return kinds;
 }

@@ -144,7 +144,7 @@ TEST(FormatsDocument, HasEveryFieldThatTheReadersAcceptAndNoOther) {
 TEST(FormatsDocument, ItsExamplesAreAccepted) {
   const std::vector<std::string> examples = documented_examples();
   ASSERT_EQ(examples.size(), 3U);
-  EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 6U);
+  EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 9U);
   EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 8U);
   EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 9U);
 }

@@ -141,6 +141,55 @@ TEST(MoveRewrite, CurveSplineAndClosedAreWritten) {
                "10, 3, 10", "10, 2.5, 10"));
 }
 
+TEST(MoveRewrite, TheCornerOfAKeyIsWrittenWithIt) {
+  const std::string of = replaced(
+      replaced(text, "axes = [\"x\", \"y\"]", "axes = [\"x\", \"y\"]\nspline = \"linear\"\nround = 2.5"),
+      "{ at = [120, 50] }", "{ at = [120, 50], round = 4 }");
+  EXPECT_EQ(with_edits(of, "m.toml", unchanged(of)), of);
+  EditedMove edited = unchanged(of);
+  edited.tracks[0].keys[2].round = 7.5;
+  edited.tracks[0].keys[3].round.reset();
+  EXPECT_EQ(with_edits(of, "m.toml", edited),
+            replaced(replaced(of, ", round = 4 }", " }"), "ease = true }", "ease = true, round = 7.5 }"));
+}
+
+const std::string row = R"(name = "fin"
+fps = 24
+frames = 48
+[[track]]
+network = true
+timing = "frames"
+axes = ["a", "b", "c"]
+drawn = { a = [{ frame = 0, at = 0 }, { frame = 48, at = 0 }] }  # by hand
+keys = [{ at = [0, 0, 0], frame = 0 }, { at = [0, 0, 0], frame = 48 }]
+)";
+
+TEST(MoveRewrite, ADrawnCurveOfANetworkIsReplacedAndANewOneComesBehind) {
+  EditedMove edited = unchanged(row);
+  edited.tracks[0].drawn = {{.axis = 0, .frames = {0, 12, 48}, .at = {0, 2.5, 0}}};
+  const std::string once = with_edits(row, "m.toml", edited);
+  EXPECT_EQ(once,
+            replaced(row, "{ frame = 48, at = 0 }]", "{ frame = 12, at = 2.5 }, { frame = 48, at = 0 }]"));
+  edited = unchanged(once);
+  edited.tracks[0].drawn = {{.axis = 2, .frames = {0, 24, 48}, .at = {0, -1, 0}}};
+  EXPECT_EQ(
+      with_edits(once, "m.toml", edited),
+      replaced(
+          once, "}] }  # by hand",
+          "}], c = [{ frame = 0, at = 0 }, { frame = 24, at = -1 }, { frame = 48, at = 0 }] }  # by hand"));
+}
+
+TEST(MoveRewrite, ACurveOfNoNetworkOrOfNoAxisIsRefused) {
+  EditedMove edited = unchanged(text);
+  edited.tracks[0].drawn = {{.axis = 0, .frames = {0, 96}, .at = {0, 0}}};
+  EXPECT_THROW(with_edits(text, "m.toml", edited), std::invalid_argument);
+  edited = unchanged(row);
+  edited.tracks[0].drawn = {{.axis = 3, .frames = {0, 48}, .at = {0, 0}}};
+  EXPECT_THROW(with_edits(row, "m.toml", edited), std::invalid_argument);
+  edited.tracks[0].drawn = {{.axis = 0, .frames = {0, 40}, .at = {0, 0}}};  // not to the end
+  EXPECT_THROW(with_edits(row, "m.toml", edited), InputError);
+}
+
 TEST(MoveRewrite, WhatIsNotOfThisMoveIsRefused) {
   EditedMove edited = unchanged(text);
   edited.tracks[0].keys[0].from = 9;

@@ -137,7 +137,7 @@ TEST(SpeedRewrite, ExamplesKeepAllButTheirNumbers) {
     if (file.path().extension() != ".toml") continue;
     const std::string text = read_text_file(file.path());
     if (text.find("[[track]]") == std::string::npos) continue;
-    const MoveFile move = parse_move(text, "example");
+    const MoveFile move = parse_move(text, file.path().string());
     for (std::size_t track = 0; track < move.tracks.size(); ++track) {
       if (move.tracks[track].timing == Timing::frames) continue;
       std::vector<double> speed = move.tracks[track].speed;

@@ -2,7 +2,7 @@
 // It knows the plain kind of move; what else a file says is the program's to read.
 import { parse, TomlError } from "smol-toml";
 import { byId, html } from "./dom";
-import { type Axis, type Key, type Move, parseFps, plainKey, type Spline, type Track } from "./move";
+import { type Axis, cornerField, type Key, type Move, parseFps, plainKey, type Spline, type Track } from "./move";
 
 type Table = Record<string, unknown>;
 
@@ -45,15 +45,15 @@ class Members {
 const isNumber = (value: unknown): value is number => typeof value === "number" && Number.isFinite(value);
 
 function keyOf(table: Table, name: string, axes: number): Key {
-  const key = new Members(table, name, "at tension continuity bias frame hold break ease");
+  const key = new Members(table, name, "at tension continuity bias frame hold break ease overlap round");
   const at = key.numbers("at");
   if (at?.length !== axes) throw new Error(`${name}: at has a number for every axis`);
   const shape = { tension: key.number("tension") ?? 0, continuity: key.number("continuity") ?? 0, bias: key.number("bias") ?? 0 };
-  return { ...plainKey(at), ...shape, frame: key.number("frame"), hold: key.number("hold"), break: key.flag("break"), ease: key.flag("ease") };
+  return { ...plainKey(at), ...shape, frame: key.number("frame"), hold: key.number("hold"), break: key.flag("break"), ease: key.flag("ease"), overlap: key.number("overlap"), round: key.number("round") };
 }
 
 function trackOf(table: Table, t: number): Track {
-  const track = new Members(table, `track ${t}`, "axes spline closed timing kinetic overshoot keys speed weights");
+  const track = new Members(table, `track ${t}`, "axes spline closed timing kinetic overshoot overlap round keys speed weights");
   const axes = track.take("axes") as string[];
   if (!Array.isArray(axes) || axes.length === 0 || !axes.every((axis) => typeof axis === "string")) throw new Error(`track ${t}: without axes it is a kind that the page alone does not know; open the file with inbetween edit`);
   const spline = (track.text("spline") ?? "smooth") as Spline;
@@ -65,10 +65,14 @@ function trackOf(table: Table, t: number): Track {
   if (timing === "speed" && !speed) throw new Error(`track ${t}: speed is missing`);
   const found: Track = {
     axes, unit: "", coordinates: axes, spline, closed: track.flag("closed"), periodic: false, timing, kinetic, live: true,
-    fixed_keys: null, overshoot, keys: track.tables("keys").map((key, k) => keyOf(key, `track ${t}, key ${k}`, axes.length)), lap: [],
-    weights: track.numbers("weights") ?? [], rests: [true, true], speed, speed_is_played: false, path: null,
+    fixed_keys: null, overshoot, overlap: track.number("overlap"), round: track.number("round"), keys: track.tables("keys").map((key, k) => keyOf(key, `track ${t}, key ${k}`, axes.length)), lap: [],
+    weights: track.numbers("weights") ?? [], rests: [true, true], speed, speed_is_played: false, path: null, network: null,
   };
   if (found.keys.length === 0) throw new Error(`track ${t}: there are no keys`);
+  for (const name of ["overlap", "round"] as const) {
+    const isSaid = found[name] !== null || found.keys.some((key) => key[name] !== null);
+    if (isSaid && cornerField(found) !== name) throw new Error(`track ${t}: ${name} is for spline = "linear", ${name === "round" ? "with a speed curve" : 'with timing = "frames"'}`);
+  }
   return found;
 }
 
@@ -119,6 +123,7 @@ export function textOf(move: Move): string {
     lines.push("", "[[track]]", `axes   = ${word(track.axes)}`, `spline = ${word(track.spline)}`);
     if (track.closed) lines.push("closed = true");
     if (!track.overshoot) lines.push("overshoot = false");
+    for (const name of ["overlap", "round"] as const) if (track[name] !== null) lines.push(`${name} = ${track[name]}`);
     if (track.timing === "frames") lines.push('timing = "frames"', `kinetic = ${word(track.kinetic)}`);
     lines.push("keys   = [");
     for (const key of track.keys) {
@@ -126,6 +131,7 @@ export function textOf(move: Move): string {
       if (key.frame !== null) more.push(`, frame = ${key.frame}`);
       if (key.hold !== null) more.push(`, hold = ${key.hold}`);
       for (const name of ["break", "ease"] as const) if (key[name]) more.push(`, ${name} = true`);
+      for (const name of ["overlap", "round"] as const) if (key[name] !== null) more.push(`, ${name} = ${key[name]}`);
       lines.push(`  { at = ${word(key.at)}${more.join("")} },`);
     }
     lines.push("]");

@@ -158,7 +158,8 @@ export class Bar {
     try {
       const answer = await this.server.resolve(asked);
       if (this.store.move !== asked) return;
-      this.store.amend((move) => (move === asked ? this.taken(move, answer) : move));
+      const taken = this.taken(asked, answer); // one object: what is saved stays what is shown
+      this.store.amend((move) => (move === asked ? taken : move));
     } catch (error) {
       say((error as Error).message, true);
     }
@@ -167,8 +168,10 @@ export class Bar {
   private taken(move: Move, answer: Move): Move {
     return move.tracks.reduce((result, track, t) => {
       if (track.live) return result;
-      const { path, speed } = answer.tracks[t];
-      return withTrack(result, t, { path, speed: track.touched ? track.speed : speed });
+      const { path, speed, keys } = answer.tracks[t];
+      // A key of a network may be where its curve is.
+      const follows = track.network !== null && !track.moved;
+      return withTrack(result, t, { path, speed: track.touched ? track.speed : speed, keys: follows ? keys : track.keys });
     }, move);
   }
 

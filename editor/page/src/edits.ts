@@ -28,7 +28,7 @@ export function removeKeys(store: Store): void {
   say(keys.size === 1 ? `Key ${first} deleted` : `${keys.size} keys deleted`);
 }
 
-/** A new key where the path is at s, which is counted in segments; at the ends the path grows by half a chord. */
+/** A new key where the path is at s, which is i at key i; at the ends the path grows by half a chord. */
 export function insertOnPath(store: Store, s: number): void {
   const { track } = store.selection;
   const one = store.move.tracks[track];

@@ -4,7 +4,7 @@ import { plainKey, perSecond, roundTo, stepFor, withKeys, withSpeed, withTrack }
 import type { Server } from "./server";
 import type { Store } from "./store";
 
-interface Sample {
+export interface Sample {
   readonly time: number; // ms
   readonly x: number;
   readonly y: number;
@@ -35,12 +35,15 @@ export class Hand {
     if (!this.server) return say("Drawing needs the program: start inbetween edit.");
     const { track } = this.store.selection;
     const one = this.store.move.tracks[track];
-    const why = one.fixed_keys ?? (one.closed ? "the path is closed; open it first" : one.timing === "frames" ? "the keys have frames" : null);
+    const why = one.network ? null : one.fixed_keys ?? (one.closed ? "the path is closed; open it first" : one.timing === "frames" ? "the keys have frames" : null);
     if (!this.isOn && why) return say(`A motion cannot be drawn here: ${why}.`);
     this.isOn = !this.isOn;
     this.button.setAttribute("aria-pressed", String(this.isOn));
     this.onSwitch();
-    if (this.isOn) say("Press in the path, draw the motion at the pace it shall have, and release.");
+    if (this.isOn) {
+      say(one.network ? "Press in the row of an axis, draw up and down at the pace it shall have, and release."
+        : "Press in the path, draw the motion at the pace it shall have, and release.");
+    }
   }
 
   press(event: PointerEvent): void {
@@ -59,6 +62,15 @@ export class Hand {
     // Until the hand moves it has not begun.
     if (this.samples.length === 1 && last!.x === event.clientX && last!.y === event.clientY) this.samples = [];
     this.samples.push({ time: event.timeStamp, x: event.clientX, y: event.clientY });
+  }
+
+  /** The positions from the press on, of a motion long enough to be one. */
+  taken(): readonly Sample[] | null {
+    const { samples } = this;
+    this.samples = [];
+    if (samples.length >= 8) return samples;
+    say("That was too short to be a motion; draw longer.", true);
+    return null;
   }
 
   /** `toAxes` gives the two axes that a view shows at a place of the page, `perPixel` their units. */

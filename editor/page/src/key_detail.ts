@@ -2,7 +2,7 @@
 // press or a word being typed survives every picture.
 import { html } from "./dom";
 import { changeKeys } from "./edits";
-import { type Key, type Spline, withKeys, withTrack } from "./move";
+import { cornerField, type Key, type Spline, withKeys, withTrack } from "./move";
 import type { Store } from "./store";
 
 const shapes = ["tension", "continuity", "bias"] as const;
@@ -15,6 +15,10 @@ export class KeyDetail {
   private readonly ease = this.flag("ease");
   private readonly break = this.flag("break");
   private readonly hold = html("input", { type: "number", min: 0, "aria-label": "Frames of rest at the key", class: "short", id: "key-hold" });
+  private readonly corner = html("input", { type: "number", min: 0, step: "any", "aria-label": "How much the corner is rounded", class: "short", id: "key-corner" });
+  private readonly cornerName = html("span");
+  private readonly cornerUnit = html("span");
+  private readonly rounding = html("label", {}, this.cornerName, " ", this.corner, " ", this.cornerUnit);
   private readonly ofKey: HTMLElement[];
   private readonly holding = html("label", {}, "Hold ", this.hold, " frames");
   private readonly sliders = shapes.map((name) => this.slider(name));
@@ -25,17 +29,15 @@ export class KeyDetail {
       html("label", { title: "The speed may jump at the key, which needs a frame" }, this.break, " Break"),
     ];
     this.element.append(html("label", {}, "Path ", this.spline), html("label", {}, this.closed, " Closed"),
-      ...this.ofKey, this.holding, ...this.sliders.map(({ row }) => row));
+      ...this.ofKey, this.holding, this.rounding, ...this.sliders.map(({ row }) => row));
     this.spline.addEventListener("change", () => this.changeSpline(this.spline.value as Spline));
     this.closed.addEventListener("change", () =>
       store.edit(withTrack(store.move, store.selection.track, { closed: this.closed.checked })));
-    this.hold.addEventListener("input", () => (this.hold.dataset.typing = "yes"));
-    this.hold.addEventListener("blur", () => delete this.hold.dataset.typing);
-    this.hold.addEventListener("change", () => {
-      delete this.hold.dataset.typing;
+    this.whenTyped(this.hold, () => {
       const value = Math.round(Number(this.hold.value));
       changeKeys(store, store.selection.keys, (one) => ({ ...one, hold: value > 0 ? value : null, ease: value > 0 ? false : one.ease }));
     });
+    this.whenTyped(this.corner, () => this.changeCorner());
   }
 
   draw(): void {
@@ -46,8 +48,13 @@ export class KeyDetail {
     if (this.spline.value !== track.spline) this.spline.value = track.spline;
     this.closed.checked = track.closed;
     this.closed.disabled = track.periodic || track.path !== null;
+    // What the whole track says of its corners is for straight ways alone.
+    this.spline.disabled = track.overlap !== null || track.round !== null;
+    this.spline.title = this.spline.disabled ? "The track rounds its corners; edit it as text" : "";
     for (const row of this.ofKey) row.hidden = key === null;
     this.holding.hidden = key === null || !bySpeed;
+    const field = cornerField(track);
+    this.rounding.hidden = key === null || field === null;
     for (const { row } of this.sliders) row.hidden = key === null || track.spline !== "tcb";
     if (key === null) return;
     this.ease.checked = key.ease;
@@ -56,21 +63,53 @@ export class KeyDetail {
     this.break.disabled = !bySpeed || key.frame === null || key.ease;
     this.hold.max = String(store.move.frames);
     if (!this.hold.dataset.typing) this.hold.value = key.hold === null ? "" : String(key.hold);
+    if (field !== null) {
+      const isOverlap = field === "overlap";
+      this.cornerName.textContent = isOverlap ? "Overlap" : "Round";
+      this.cornerUnit.textContent = isOverlap ? "frames" : track.unit;
+      this.rounding.title = isOverlap ? "The actions before and behind the key overlap for so many frames"
+        : "The path passes the key no further away than this";
+      this.corner.placeholder = String(track[field] ?? 0);
+      if (!this.corner.dataset.typing) this.corner.value = key[field] === null ? "" : String(key[field]);
+    }
     for (const { name, slider, shown } of this.sliders) {
       slider.value = String(key[name]);
       shown.textContent = key[name].toFixed(2);
     }
   }
 
-  /** The shape of keys is that of a tcb path; other paths have none. */
+  /** An empty field: as the track says. */
+  private changeCorner(): void {
+    const { store } = this;
+    const field = cornerField(store.move.tracks[store.selection.track]);
+    const value = this.corner.value.trim() === "" ? null : Number(this.corner.value);
+    if (field === null || (value !== null && !(value >= 0))) return;
+    const written = value !== null && field === "overlap" ? Math.round(value) : value;
+    changeKeys(store, store.selection.keys, (one) => ({ ...one, [field]: written }));
+  }
+
+  /** A field that is being typed in keeps its words; they count when it is left, or at Enter. */
+  private whenTyped(input: HTMLInputElement, change: () => void): void {
+    input.addEventListener("input", () => (input.dataset.typing = "yes"));
+    input.addEventListener("blur", () => delete input.dataset.typing);
+    input.addEventListener("change", () => {
+      delete input.dataset.typing;
+      change();
+    });
+  }
+
+  /** The shape of keys is that of a tcb path, and only straight ways have corners to round. */
   private changeSpline(spline: Spline): void {
     const { store } = this;
     const index = store.selection.track;
     const track = store.move.tracks[index];
     const changed = withTrack(store.move, index, { spline });
-    const isShaped = track.keys.some((key) => shapes.some((name) => key[name] !== 0));
-    store.edit(spline !== "tcb" && isShaped
-      ? withKeys(changed, index, track.keys.map((key) => ({ ...key, tension: 0, continuity: 0, bias: 0 }))) : changed);
+    const isShaped = spline !== "tcb" && track.keys.some((key) => shapes.some((name) => key[name] !== 0));
+    const isRounded = spline !== "linear" && track.keys.some((key) => key.overlap !== null || key.round !== null);
+    if (!isShaped && !isRounded) return store.edit(changed);
+    const noShape = isShaped ? { tension: 0, continuity: 0, bias: 0 } : {};
+    const noCorner = isRounded ? { overlap: null, round: null } : {};
+    store.edit(withKeys(changed, index, track.keys.map((key) => ({ ...key, ...noShape, ...noCorner }))));
   }
 
   private flag(name: "ease" | "break"): HTMLInputElement {

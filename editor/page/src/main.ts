@@ -8,6 +8,7 @@ import { copyKeys, insertOnPath, insertValue, removeKeys, removeValues, setValue
 import { Hand } from "./hand";
 import { PlanView, planPanel } from "./plan_view";
 import { Preview } from "./preview";
+import { RowView, rowPanel, showRowTab } from "./row_view";
 import { Server } from "./server";
 import { Solver } from "./solver";
 import { SpaceView } from "./space_view";
@@ -49,7 +50,8 @@ function pathSection(store: Store, hand: Hand): void {
   const place = byId("path");
   const plan = planPanel();
   const space = html("div", { id: "space", class: "fill" });
-  const views = html("div", { class: "fill views" }, plan, space);
+  const row = rowPanel();
+  const views = html("div", { class: "fill views" }, plan, space, row);
   const view = (): PlanView => planView;
   const axisChoice = (name: string, id: string, first: number, choose: (axis: number) => void): HTMLSelectElement => {
     const select = html("select", { id, "aria-label": name });
@@ -74,10 +76,13 @@ function pathSection(store: Store, hand: Hand): void {
   place.append(head, views);
   const planView = new PlanView(store, plan, hand);
   const spaceView = new SpaceView(store, space);
+  const rowView = new RowView(store, row, hand);
   const switched = hand.onSwitch;
   hand.onSwitch = () => {
     switched();
-    if (hand.isOn && plan.hidden) byId("tab-plan").click(); // a pointer draws in a plane
+    // A pointer draws in a plane, or in a row.
+    const isRow = store.move.tracks[store.selection.track].network !== null;
+    if (hand.isOn && (isRow ? row : plan).hidden) byId(isRow ? "tab-row" : "tab-plan").click();
   };
   const show = (axis: number) => () => {
     const axes = store.move.tracks[store.selection.track].axes.length;
@@ -89,7 +94,11 @@ function pathSection(store: Store, hand: Hand): void {
     { name: "Plan", id: "plan", panel: plan, show: show(1) },
     { name: "Elevation", id: "elevation", panel: plan, show: show(2) },
     { name: "3-D", id: "space", panel: space, show: () => void spaceView.show().catch((error) => say(String(error), true)) },
+    { name: "Row", id: "row", panel: row, show: () => rowView.draw() },
   ]), html("span", { class: "spring" }), hand.tools, html("label", {}, "across ", across), html("label", {}, "up ", up));
+  byId("tab-row").hidden = true;
+  store.onChange(() => showRowTab(store));
+  queueMicrotask(() => showRowTab(store));
 }
 
 function sideSection(store: Store): void {

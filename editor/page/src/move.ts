@@ -10,6 +10,8 @@ export interface Key {
   readonly hold: number | null;
   readonly break: boolean;
   readonly ease: boolean;
+  readonly overlap: number | null; // frames; null: as the track has it
+  readonly round: number | null; // weighted distance; null: as the track has it
 }
 
 export type Spline = "smooth" | "catmull-rom" | "tcb" | "linear";
@@ -18,6 +20,20 @@ export interface Cubics {
   readonly coefficients: readonly number[];
   readonly weights: readonly number[];
   readonly knots: readonly number[];
+}
+
+/** A row of axes that goes together: some are drawn over time, the others follow between them. */
+export interface Network {
+  readonly places: readonly number[];
+  readonly drawn: readonly DrawnCurve[];
+}
+
+export interface DrawnCurve {
+  readonly axis: number;
+  readonly frames: readonly number[];
+  readonly at: readonly number[];
+  readonly keys: readonly number[]; // that have a position of their own for this axis
+  readonly redrawn?: boolean;
 }
 
 export interface Track {
@@ -32,6 +48,8 @@ export interface Track {
   readonly live: boolean;
   readonly fixed_keys: string | null;
   readonly overshoot: boolean;
+  readonly overlap: number | null; // frames
+  readonly round: number | null; // weighted distance
   readonly keys: readonly Key[];
   readonly lap: readonly number[];
   readonly weights: readonly number[];
@@ -39,6 +57,7 @@ export interface Track {
   readonly speed: readonly number[] | null;
   readonly speed_is_played: boolean;
   readonly path: Cubics | null;
+  readonly network: Network | null;
   readonly touched?: boolean; // the speed curve has been edited
   readonly moved?: boolean; // the keys have been edited
 }
@@ -131,8 +150,21 @@ export function withSpeed(move: Move, index: number, speed: readonly number[]): 
 }
 
 export const plainKey = (at: readonly number[]): Key => ({
-  from: null, at, tension: 0, continuity: 0, bias: 0, frame: null, hold: null, break: false, ease: false,
+  from: null, at, tension: 0, continuity: 0, bias: 0, frame: null, hold: null, break: false, ease: false, overlap: null, round: null,
 });
+
+/** Which of the two rounds the corners of a track: straight ways alone have corners. */
+export function cornerField(track: Track): "overlap" | "round" | null {
+  if (track.spline !== "linear" || track.path) return null;
+  if (track.timing === "frames" && track.kinetic === "linear") return "overlap";
+  return track.timing === "speed" || track.kinetic === "pace" ? "round" : null;
+}
+
+/** Whether the path may pass a key beside it. */
+export function isRounded(track: Track): boolean {
+  const field = cornerField(track);
+  return field !== null && (track[field] !== null || track.keys.some((key) => key[field] !== null));
+}
 
 /** Why the speed curve of a track cannot be edited here, or null. */
 export function fixedSpeed(track: Track): string | null {
@@ -154,6 +186,7 @@ export function editsOf(move: Move): object {
       speed: track.touched ? track.speed : null,
       spline: track.spline,
       closed: track.closed,
+      drawn: track.network?.drawn.filter(({ redrawn }) => redrawn).map(({ axis, frames, at }) => ({ axis, frames, at })) ?? null,
     })),
   };
 }

@@ -2,7 +2,8 @@
 import { attributes, byId, follow, html, say, svg, ticks } from "./dom";
 import type { Hand } from "./hand";
 import { insertOnPath, moveKeys, removeKeys } from "./edits";
-import { stepFor } from "./move";
+import { isRounded, stepFor } from "./move";
+import { parameterOf } from "./solver";
 import type { Store } from "./store";
 import { colorChanges, type Size, Strokes, watchSize } from "./strokes";
 
@@ -118,7 +119,7 @@ export class PlanView {
       this.drawnFrom = from;
       const count = solved.path.length / axes;
       const points: [number, number][] = [];
-      for (let i = 0; i < count; ++i) points.push(this.place(solved.path, i * axes, i / solved.perSegment));
+      for (let i = 0; i < count; ++i) points.push(this.place(solved.path, i * axes, parameterOf(solved, i)));
       this.box = this.held ?? this.fit(points);
       this.ground.clear(this.size);
       this.drawGrid();
@@ -203,7 +204,7 @@ export class PlanView {
     while (this.keys.length < shown.length) {
       const k = this.keys.length;
       const group = svg("g", { class: "key", role: "option" },
-        svg("circle", { r: 16, class: "grip" }), svg("circle", { r: 6.5, class: "knob" }), svg("text", { dy: -11, "text-anchor": "middle" }));
+        svg("line", { class: "miss" }), svg("circle", { r: 16, class: "grip" }), svg("circle", { r: 6.5, class: "knob" }), svg("text", { dy: -11, "text-anchor": "middle" }));
       group.addEventListener("pointerdown", (event) => this.press(event, k));
       group.addEventListener("keydown", (event) => this.type(event, k));
       group.addEventListener("focus", () => {
@@ -216,7 +217,7 @@ export class PlanView {
     const focusable = selected.size > 0 ? Math.min(...selected) : 0;
     let labelled: [number, number] = [-1e9, -1e9]; // numbers that would lie on each other are left out
     for (const [k, key] of shown.entries()) {
-      const [x, y] = this.place(track.path ? this.pathAtKey(k) : key.at, 0, k);
+      const [x, y] = this.place(track.path ? solved.keyPlaces[k] : key.at, 0, k);
       const group = this.keys[k];
       const words = track.axes.map((axis, a) => `${axis} ${key.at[a]}`).join(", ");
       const lock = key.frame !== null ? `, locked on frame ${key.frame}` : "";
@@ -230,15 +231,16 @@ export class PlanView {
       const isFree = Math.hypot(here[0] - labelled[0], here[1] - labelled[1]) > 24;
       if (isFree) labelled = here;
       const label = isFree || selected.has(k) ? String(k) : "";
+      this.drawMiss(group.firstElementChild!, isRounded(track) ? this.place(solved.keyPlaces[k], 0, k) : null, here);
       const text = group.lastElementChild!;
       if (text.textContent !== label) text.textContent = label;
     }
   }
 
-  private pathAtKey(k: number): number[] {
-    const solved = this.store.solution.tracks[this.one.index];
-    const at = Math.round(solved.keyFrames[k]) * solved.stride + 4;
-    return Array.from(solved.table.slice(at, at + this.one.axes));
+  /** From the key to where the path is when it passes. */
+  private drawMiss(line: Element, passed: [number, number] | null, [x, y]: [number, number]): void {
+    const at = passed === null ? [0, 0] : [this.x(passed[0]) - x, this.y(passed[1]) - y];
+    attributes(line, { x2: at[0].toFixed(1), y2: at[1].toFixed(1) });
   }
 
   private drawFrame(): void {
@@ -359,11 +361,11 @@ export class PlanView {
     let best = 0;
     let nearest = Infinity;
     for (let i = 0; i * axes < solved.path.length; ++i) {
-      const [x, y] = this.place(solved.path, i * axes, i / solved.perSegment);
+      const [x, y] = this.place(solved.path, i * axes, parameterOf(solved, i));
       const far = Math.hypot(this.x(x) - (event.clientX - left), this.y(y) - (event.clientY - top));
       if (far < nearest) [nearest, best] = [far, i];
     }
-    insertOnPath(this.store, best / solved.perSegment);
+    insertOnPath(this.store, parameterOf(solved, best));
   }
 }
 

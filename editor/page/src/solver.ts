@@ -1,5 +1,5 @@
 // The core, as WebAssembly. editor/solver/abi.cpp is the other side and says what each function reads and writes.
-import { perSecond, type Limits, type Move, type Rig, type Track } from "./move";
+import { isRounded, perSecond, type Limits, type Move, type Rig, type Track } from "./move";
 
 interface Abi {
   memory: WebAssembly.Memory;
@@ -38,9 +38,11 @@ export interface SolvedTrack {
   readonly length: number;
   readonly path: Float64Array; // positions, axes at a time
   readonly perSegment: number;
+  readonly begins: Float64Array; // s of every segment and of the end
   readonly table: Float64Array; // for every frame s, distance, speed, acceleration, positions
   readonly stride: number; // of the table
   readonly keyFrames: readonly number[]; // of each key, and of the return to key 0
+  readonly keyPlaces: readonly Float64Array[]; // of each key where the path is then, which is beside a rounded corner
   readonly played: Float64Array; // control values
   readonly unitPerValue: number; // speed along the path for a control value of 1
 }
@@ -122,7 +124,7 @@ export class Solver {
     }
   }
 
-  /** The position of every axis of a track at s, in segments from the first key. */
+  /** The position of every axis of a track at s, which is i at key i. */
   at(track: number, s: number, axes: number): number[] {
     return this.abi.ib_at(track, s) ? Array.from(this.out(axes)) : [];
   }
@@ -186,7 +188,9 @@ export class Solver {
     const speed = byFrames ? [] : (track.speed ?? []);
     const shapes = track.spline === "tcb" ? keys.length : 0;
     const weights = track.path ? track.path.weights : track.weights;
-    const segments = track.path ? track.path.knots.length / 3 : 0;
+    const segments = track.path ? track.path.knots.length / 4 : 0;
+    const corners = cornersOf(track, byFrames);
+    const overlaps = byFrames && corners.length > 0; // straight ways that are curves over time
     if (byFrames && keys.some((key) => key.frame === null)) {
       throw new Failure({ what: "a key has no frame", remedy: "give it one: all keys of this track have frames",
         track: index, key: keys.findIndex((key) => key.frame === null), axis: -1 });
@@ -195,8 +199,8 @@ export class Solver {
     const put = (...values: number[]): void => values.forEach((value) => (integers[i++] = value));
     put(splines.indexOf(track.spline), Number(isReturnedTo), track.axes.length, keys.length, Number(track.overshoot),
       Number(track.periodic), move.frames, move.fps.numerator, move.fps.denominator, speed.length, locks.length,
-      byFrames ? keys.length + Number(isReturnedTo) : 0, kinetics[track.kinetic ?? "curves"],
-      Number(track.rests[0]), Number(track.rests[1]), track.lap.length, weights.length, shapes, segments);
+      byFrames ? keys.length + Number(isReturnedTo) : 0, overlaps ? kinetics.curves : kinetics[track.kinetic ?? "curves"],
+      Number(track.rests[0]), Number(track.rests[1]), track.lap.length, weights.length, shapes, segments, corners.length);
     for (const { key, k } of locks) {
       put(k, key.frame ?? -1, key.hold ?? 0, Number(key.break), Number(key.ease));
     }
@@ -204,6 +208,7 @@ export class Solver {
       put(...keys.map((key) => key.frame ?? 0));
       if (isReturnedTo) put(move.frames);
     }
+    if (byFrames) put(...corners);
     if (track.path) put(...track.path.knots);
     let n = 0;
     const add = (values: readonly number[]): void => {
@@ -215,6 +220,7 @@ export class Solver {
     add(weights);
     if (shapes > 0) keys.forEach((key) => add([key.tension, key.continuity, key.bias]));
     add(speed);
+    if (!byFrames) add(corners);
     if (track.path) add(track.path.coefficients);
     if (!this.abi.ib_solve(index)) this.fail(index);
   }
@@ -260,15 +266,21 @@ export class Solver {
     const met = this.abi.ib_key_frames(index);
     const { numbers: at, integers: of } = this.view();
     const keyFrames = new Array<number>(keys).fill(0);
+    const keyPlaces = new Array<Float64Array>(keys);
+    const begins = new Float64Array(met);
     let last = 0;
     for (let i = 0; i < met; ++i) {
-      if (of[i] >= 0 && !(i === met - 1 && of[i] === 0)) keyFrames[of[i]] = at[i];
-      last = at[i];
+      const first = i * (2 + rows);
+      last = at[first];
+      begins[i] = at[first + 1];
+      if (of[i] < 0 || (i === met - 1 && of[i] === 0)) continue;
+      keyFrames[of[i]] = last;
+      keyPlaces[of[i]] = at.slice(first + 2, first + 2 + rows);
     }
     if (keyFrames.length > 0) keyFrames.push(last);
     // L(s) = K Phi(a), and a runs through f spans in the time of the move: speed = K phi da/dt.
     const unitPerValue = integral > 0 && values > 1 ? (constant * (values - 1) * perSecond(move.fps)) / frames : 0;
-    return { hash, segments, length, path, perSegment, table, stride, keyFrames, played, unitPerValue };
+    return { hash, segments, length, path, perSegment, table, begins, stride, keyFrames, keyPlaces, played, unitPerValue };
   }
 
   private readCertificate(move: Move): Certificate | null {
@@ -321,6 +333,22 @@ interface Moved {
   readonly limits: Limits;
   readonly axis: number; // that a motor follows; otherwise this one
   readonly marks: readonly number[]; // of a motor
+}
+
+/** s at a point of `path`. */
+export function parameterOf({ begins, perSegment }: SolvedTrack, point: number): number {
+  const segment = Math.floor(point / perSegment);
+  const begin = begins[segment];
+  return begin + ((begins[segment + 1] ?? begin) - begin) * (point / perSegment - segment);
+}
+
+/** What the corner of every key is rounded by; nothing where none is. A path that the program made has that already. */
+function cornersOf(track: Track, byFrames: boolean): number[] {
+  if (track.path || track.keys.length < 2) return [];
+  if (!isRounded(track)) return [];
+  const rounded = track.keys.map((key) => (byFrames ? (key.overlap ?? track.overlap) : (key.round ?? track.round)));
+  // A closed path that is no loop ends at its seam.
+  return rounded.map((value, k) => (!byFrames && k === 0 && !track.periodic ? 0 : (value ?? 0)));
 }
 
 /** All that has limits: every axis, and behind them the motor of every axis with a calibration. */

@@ -37,6 +37,8 @@ struct Move {
   Kinetic kinetic = Kinetic::curves;              ///< with key_frames
   bool rests = true;                              ///< curves, at their ends
   bool overshoot = true;
+  std::span<const std::int32_t> overlap_frames = {};  ///< straight ways over frames
+  std::span<const double> path_tolerances = {};       ///< a straight path
   std::int32_t frames = 24;
   FrameRate fps{24, 1};
   std::int32_t rate_hz = 100;
@@ -85,6 +87,8 @@ inline constexpr std::array far_speed{3.0, 3.0, 8.0, 1.0, 0.0, 0.0};
 /// Keys on frames: it rests at both ends, and one axis holds its value for a while.
 inline constexpr std::array timed_keys{0.0, 0.0, 33.0, 21.0, 50.0, 21.0, 80.0, 5.0, 64.0, -12.0};
 inline constexpr std::array<std::int32_t, 5> key_frames{0, 11, 30, 37, 72};
+inline constexpr std::array<std::int32_t, 5> overlaps{3, 7, 5, 0, 12};
+inline constexpr std::array tolerances{0.0, 1.5, 0.3, 20.0, 0.0};
 
 /// An eyelid: it shuts, stays shut, and opens.
 inline constexpr std::array lid_keys{0.0, 25.0, 25.0, -4.0, 6.0};
@@ -238,6 +242,20 @@ inline constexpr std::array moves{
          .keys = data::timed_keys,
          .key_frames = data::key_frames,
          .kinetic = Kinetic::linear,
+         .frames = 72},
+    Move{.name = "overlapping",
+         .spline = Spline::linear,
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .key_frames = data::key_frames,
+         .overlap_frames = data::overlaps,
+         .frames = 72},
+    Move{.name = "rounded",
+         .spline = Spline::linear,
+         .axis_count = 2,
+         .keys = data::timed_keys,
+         .speed = data::nodding_speed,
+         .path_tolerances = data::tolerances,
          .frames = 72},
     Move{.name = "pace", .axis_count = 2, .keys = data::timed_keys, .speed = data::pace_speed, .frames = 72},
 };

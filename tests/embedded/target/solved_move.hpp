@@ -23,7 +23,9 @@ class SolvedMove {
                                   .overshoot = move.overshoot,
                                   .key_frames = is_curves(move) ? move.key_frames : none,
                                   .rests_at_start = move.rests,
-                                  .rests_at_end = move.rests},
+                                  .rests_at_end = move.rests,
+                                  .overlap_frames = move.overlap_frames,
+                                  .path_tolerances = move.path_tolerances},
                                  {storage_.path.cubics, storage_.path.weights, knots_});
     if (!path) return path.error();
     const auto arc_length = ArcLength::make(*path, {}, storage_.arc_length.memory());
@@ -61,7 +63,7 @@ class SolvedMove {
     if (!timing) return timing.error();
     return timing->control_values;
   }
-  /// Of a path over frames: beside a rest.
+  /// Of a path over frames: beside a rest, or where actions overlap.
   static constexpr std::size_t max_segments = 4 * max_keys;
 
   TrackStorage<max_segments, max_axes, max_values, max_pieces> storage_;

@@ -43,7 +43,10 @@ struct AnyMove {
   bool rests_at_start = true;
   bool rests_at_end = true;
   CurveEnds ends = CurveEnds::natural;
+  std::vector<std::int32_t> overlap_frames;  ///< of a linear path over frames
+  std::vector<double> path_tolerances;       ///< of a linear path at a drawn speed
 
+  [[nodiscard]] bool has_knots() const { return kinetic == Kinetic::curves || !path_tolerances.empty(); }
   [[nodiscard]] PathSpec path_spec() const {
     PathSpec spec{.spline = spline,
                   .closed = closed,
@@ -54,7 +57,9 @@ struct AnyMove {
                   .shapes = shapes,
                   .overshoot = overshoot,
                   .rests_at_start = rests_at_start,
-                  .rests_at_end = rests_at_end};
+                  .rests_at_end = rests_at_end,
+                  .overlap_frames = overlap_frames,
+                  .path_tolerances = path_tolerances};
     if (kinetic == Kinetic::curves) spec.key_frames = key_frames;
     return spec;
   }
@@ -134,6 +139,19 @@ class MoveFromBytes {
     if (move.key_frames.empty() && move.locks.empty() && bytes_.ConsumeIntegralInRange(0, 3) == 1) {
       move.ends = CurveEnds::periodic;
       if (bytes_.ConsumeIntegralInRange(0, 7) != 7) move.control_values.back() = move.control_values.front();
+    }
+    draw_corners(move, move.keys.size() / axes);
+  }
+  void draw_corners(AnyMove& move, std::size_t keys) {
+    if (move.spline != Spline::linear || !move.locks.empty() || bytes_.ConsumeIntegralInRange(0, 1) == 0)
+      return;
+    if (move.kinetic == Kinetic::curves) {
+      for (std::size_t k = 0; k < keys; ++k)
+        move.overlap_frames.push_back(bytes_.ConsumeIntegralInRange(-1, 40));
+    } else if (move.key_frames.empty()) {
+      for (std::size_t k = 0; k < keys; ++k)
+        move.path_tolerances.push_back(
+            std::ldexp(bytes_.ConsumeFloatingPointInRange(-0.01, 1.0), scale_ + 4));
     }
   }
   std::int32_t frames() {
@@ -243,6 +261,8 @@ inline void print(const AnyMove& move) {
   std::fprintf(stderr, "  overshoot %d, rests %d %d, periodic %d\n", static_cast<int>(move.overshoot),
                static_cast<int>(move.rests_at_start), static_cast<int>(move.rests_at_end),
                static_cast<int>(move.ends == CurveEnds::periodic));
+  for (const std::int32_t overlap : move.overlap_frames) std::fprintf(stderr, "  overlap %d\n", overlap);
+  list("tolerances", move.path_tolerances);
   list("keys", move.keys);
   list("lap", move.lap);
   list("weights", move.weights);
