@@ -120,7 +120,7 @@ class RoundedCorners {
     return spec_.key(k + 1, d) - spec_.key(k, d);
   }
   [[nodiscard]] double weight(std::size_t d) const { return spec_.weights.empty() ? 1.0 : spec_.weights[d]; }
-  [[nodiscard]] double extent(std::size_t k) const {
+  [[nodiscard, gnu::noinline]] double extent(std::size_t k) const {
     if (by_frames()) return static_cast<double>(spec_.key_frames[k + 1] - spec_.key_frames[k]);
     return scaled_norm(axes_, [&](std::size_t d) { return weight(d) * chord(k, d); });
   }
@@ -135,24 +135,28 @@ class RoundedCorners {
     if (is_end && !is_ring()) return 0;
     return width_in_space(k > 0 ? k - 1 : legs_ - 1, k % legs_, spec_.path_tolerances[k % keys_]);
   }
-  [[nodiscard]] double width_in_space(std::size_t before, std::size_t behind, double tolerance) const {
+  [[nodiscard, gnu::noinline]] double width_in_space(std::size_t before, std::size_t behind,
+                                                     double tolerance) const {
     const double one = extent(before);
     const double other = extent(behind);
     if (!(tolerance > 0) || !(one > 0) || !(other > 0)) return 0;
-    const auto direction = [&](std::size_t leg, double length, std::size_t d) {
-      return weight(d) * (chord(leg, d) / length);
+    // Of the unit directions the difference, and the sum.
+    const auto joined = [&](double sign) {
+      return scaled_norm(axes_, [&](std::size_t d) {
+        return weight(d) * (chord(behind, d) / other + sign * (chord(before, d) / one));
+      });
     };
-    const double turn = scaled_norm(
-        axes_, [&](std::size_t d) { return direction(behind, other, d) - direction(before, one, d); });
-    const double through = scaled_norm(
-        axes_, [&](std::size_t d) { return direction(behind, other, d) + direction(before, one, d); });
+    const double turn = joined(-1);
+    const double through = joined(1);
     if (turn < min_turn || through < min_way_through) return 0;
     const double half = std::min(one, other) / 2;
     const double wanted = 6 * tolerance / turn;
     // A line that is left is no shorter than rounding can tell.
     return wanted >= half ? half : std::min(wanted, half * (1 - 2.0 / leg_parts));
   }
-  [[nodiscard]] Leg leg_of(std::size_t k) const {
+  /// Not inline, as those below: a path is made once, and each copy takes a kilobyte and more on a
+  /// microcontroller.
+  [[nodiscard, gnu::noinline]] Leg leg_of(std::size_t k) const {
     return {.extent = extent(k),
             .begin = width(k),
             .end = width(k + 1),
@@ -165,7 +169,7 @@ class RoundedCorners {
     double before = 0, own = 0, behind = 0;
   };
 
-  void write_knots(std::size_t k, const Leg& leg, std::size_t first) {
+  [[gnu::noinline]] void write_knots(std::size_t k, const Leg& leg, std::size_t first) {
     const std::int32_t parts = by_frames() ? static_cast<std::int32_t>(2 * leg.extent) : leg_parts;
     const auto part_of = [&](double share) {
       if (by_frames()) return static_cast<std::int32_t>(2 * share);
@@ -188,8 +192,8 @@ class RoundedCorners {
     }
   }
 
-  void write_cubics(std::size_t k, std::size_t d, const Leg& leg, const Actions& velocity,
-                    std::size_t first) {
+  [[gnu::noinline]] void write_cubics(std::size_t k, std::size_t d, const Leg& leg, const Actions& velocity,
+                                      std::size_t first) {
     const double own = velocity.own;
     const double begin = spec_.key(k, d);
     const double end = spec_.key(k + 1, d);
@@ -210,13 +214,13 @@ class RoundedCorners {
     }
   }
 
-  /// Over t from 0 to 1, h long.
-  static Cubic before_corner(double corner, double before, double behind, double h) {
-    return {corner - before * h, before * h, 0, (behind - before) * h / 6};
+  /// Over t from 0 to 1, h long, about the corner `at` from one velocity to another.
+  static Cubic before_corner(double at, double arriving, double leaving, double h) {
+    return {at - arriving * h, arriving * h, 0, (leaving - arriving) * h / 6};
   }
-  static Cubic behind_corner(double corner, double before, double behind, double h) {
-    const double change = (behind - before) * h;
-    return {corner + change / 6, behind * h - change / 2, change / 2, -change / 6};
+  static Cubic behind_corner(double at, double arriving, double leaving, double h) {
+    const double change = (leaving - arriving) * h;
+    return {at + change / 6, leaving * h - change / 2, change / 2, -change / 6};
   }
 
   const PathSpec& spec_;
