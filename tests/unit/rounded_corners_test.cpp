@@ -116,6 +116,11 @@ TEST(Overlap, MoreThanAnActionIsRefusedWithWhatGoesIn) {
                      "overlap = 30\nrest = \"none\"\nkeys = [ {at=[0], frame=0}, @{at=[24], frame=40}, "
                      "{at=[0], frame=60}, {at=[4], frame=96} ]\n",
                  {"key 1", "an overlap of 20 frames at both of its keys goes in"});
+  // What just goes in is taken, and half a frame more is not.
+  const std::string last = "rest = \"none\"\nkeys = [ {at=[0], frame=0}, @{at=[24], frame=40, overlap=20}, ";
+  expect_refused(plan, head + last + "{at=[0], frame=60, overlap=21}, {at=[4], frame=96} ]\n", {"key 1"});
+  EXPECT_NO_THROW(
+      plan(head + without_mark(last + "{at=[0], frame=60, overlap=20}, {at=[4], frame=96} ]\n").text, "m"));
   // A rest takes half of its own as well.
   expect_refused(
       plan, head + "overlap = 33\nkeys = [ @{at=[0], frame=0}, {at=[24], frame=48}, {at=[0], frame=96} ]\n",
