@@ -150,6 +150,14 @@ void read_weights(const TomlTable& table, MoveTrack& track) {
   }
 }
 
+/// Of keys on frames, a track may rest whose motion takes its time: the keys are known.
+void refuse_rest(const TomlTable& table, const MoveTrack& track) {
+  const auto rest = table.optional("rest");
+  if (!rest || track.timing == Timing::speed || has_overlap(track)) return;
+  if (kinetic_of(track) == MoveKinetic::curves || kinetic_of(track) == MoveKinetic::pace) return;
+  rest->refuse(R"(needs a drawn speed, kinetic = "curves" or "pace", or overlap; remove it)");
+}
+
 /// Where a link is keyed, or its way measured, the corners are those of axes that follow.
 void refuse_round_in_space(const TomlTable& table, const MoveTrack& track) {
   if (!has_round(track) || !(track.space || track.distance)) return;
@@ -182,9 +190,6 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
     constexpr std::array ends = {RestingEnds{true, true}, RestingEnds{true, false}, RestingEnds{false, true},
                                  RestingEnds{false, false}};
     track.rest = ends.at(rest->choice({"both", "start", "end", "none"}));
-    if (by_frames && !is_curve && kinetic_of(track) != MoveKinetic::curves && !track.overlap) {
-      rest->refuse(R"(needs a drawn speed, kinetic = "curves" or "pace", or overlap; remove it)");
-    }
   }
   if (const auto at_corners = table.optional("corners")) {
     track.ease_corners = at_corners->choice({"pass", "ease"}) == 1;
@@ -298,6 +303,7 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
   read_network(table, frames, track);
   read_keys(table, frames, track);
   if (track.network) check_network_keys(track, frames);
+  refuse_rest(table, track);
   refuse_round_in_space(table, track);
   read_speed(table, frames, track);
   read_weights(table, track);
