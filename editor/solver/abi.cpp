@@ -191,8 +191,9 @@ std::int32_t ib_key_frames(std::int32_t index) {
   const Track& track = slot->track();
   Writer out(exchange);
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
-    out.integer(track.path().key_at(i).value_or(-1));
-    out.number(frame_of_segment(track, i));
+    const std::int32_t key = track.path().key_at(i).value_or(-1);
+    out.integer(key);
+    out.number(slot->frame_of_key(key, i));
     out.number(track.path().parameter({i, 0}));
     for (std::int32_t d = 0; d < track.path().axis_count(); ++d) out.number(track.path().position({i, 0}, d));
   }

@@ -34,6 +34,7 @@ Status TrackSlot::solve(const TrackInput& input) {
   track_.reset();
   table_.reset();
   played_ = {};
+  timing_.reset();
   break_count_ = 0;
   if (const Status fitting = fits(input); !fitting) return fitting;
   const auto path = make_path(input);
@@ -97,6 +98,7 @@ Status TrackSlot::adjust(const TrackInput& input, const Path& path, const ArcLen
                                       key_timing_.memory());
   if (!timing) return timing.error();
   played_ = timing->control_values;
+  timing_ = *timing;
   std::int32_t segment = 0;
   for (const KeyLock& lock : timing->locks) {  // in the order of the keys
     const bool is_inside = lock.key > 0 && static_cast<std::size_t>(lock.key) + 1 < count;
@@ -105,6 +107,15 @@ Status TrackSlot::adjust(const TrackInput& input, const Path& path, const ArcLen
     breaks_[break_count_++] = {segment, lock.frame};
   }
   return Done{};
+}
+
+double TrackSlot::frame_of_key(std::int32_t key, std::int32_t segment) const {
+  if (timing_) {
+    const auto lock = std::ranges::find(timing_->locks, key, &KeyLock::key);
+    const bool is_inside = key > 0 && segment < track_->path().segment_count();
+    if (lock != timing_->locks.end() && is_inside) return timing_->frame_of(*lock, track_->frames());
+  }
+  return frame_of_segment(*track_, segment);
 }
 
 }  // namespace inbetween::editor

@@ -49,6 +49,9 @@ class TrackSlot {
   /// The control values that are played: the drawn ones, or what locked keys made of them. None of a track
   /// that is timed by frames.
   [[nodiscard]] std::span<const double> played_values() const { return played_; }
+  /// The frame on which a key is met, where a rest begins: a locked one's own, and otherwise that on which
+  /// the segment begins which is the key's.
+  [[nodiscard]] double frame_of_key(std::int32_t key, std::int32_t segment) const;
 
  private:
   Result<Path> make_path(const TrackInput& input);
@@ -67,6 +70,7 @@ class TrackSlot {
   KeyTimingStorage<max_locks, max_values> key_timing_;
   std::array<BreakKey, max_locks> breaks_;
   std::size_t break_count_ = 0;
+  std::optional<KeyTiming> timing_;  ///< what locked keys made of the drawn curve
   std::array<PathPoint, max_table_frames + 1> points_;
   std::array<double, max_values> values_;
   std::span<const double> played_;

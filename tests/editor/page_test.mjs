@@ -161,6 +161,80 @@ test("a key is locked a frame later by the arrow, held, eased; the path is close
   await editor.end();
 });
 
+test("Shift or Ctrl with a click adds to what is selected", async () => {
+  const editor = await reveal();
+  const { page } = editor;
+  const chosen = (what) => page.locator(`${what}.selected`).count();
+  await pick(page, key(page, 1));
+  await key(page, 3).click({ modifiers: ["Shift"] });
+  assert.equal(await chosen("#plan .key"), 2);
+  await key(page, 1).click({ modifiers: ["ControlOrMeta"] });
+  assert.equal(await chosen("#plan .key"), 1);
+  await pick(page, value(page, 3));
+  await value(page, 5).click({ modifiers: ["Shift"] });
+  await value(page, 6).click({ modifiers: ["ControlOrMeta"] });
+  assert.equal(await chosen("#speed .value"), 3);
+  await page.locator("table.keys tbody tr").nth(1).locator("input").first().click();
+  await page.locator("table.keys tbody tr").nth(2).locator("input").first().click({ modifiers: ["Shift"] });
+  assert.equal(await chosen("table.keys tr"), 2);
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
+test("what is inserted is raised alone, a key with a frame is copied to a free one, and Escape takes back what is typed", async () => {
+  const editor = await reveal();
+  await afterwards(editor, async (page) => {
+    await pick(page, value(page, 4));
+    await page.keyboard.press("i");
+    await editor.settled();
+    await page.keyboard.press("ArrowUp");
+  });
+  assert.match(editor.read(), /speed {3}= \[0, 0, 3, 4, 9, 11, 12, 8, 5, 0, 0\]/);
+  const field = editor.page.locator("table.keys tbody tr").nth(1).locator("input").first();
+  await field.fill("999");
+  await field.press("Escape");
+  assert.equal(await field.inputValue(), "420");
+  await editor.page.locator("#frames").fill("7");
+  await editor.page.locator("#frames").press("Escape");
+  assert.equal(await editor.page.locator("#frames").inputValue(), "192");
+  await editor.end();
+  const framed = await edit("storyboard.toml", "camera_rig.toml");
+  await afterwards(framed, async (page) => {
+    await pick(page, key(page, 1));
+    await page.locator("#copy-key").click();
+  });
+  assert.match(framed.read(), /frame = 72/);
+  await afterwards(framed, async (page) => {
+    await pick(page, key(page, 6));
+    await page.locator("#copy-key").click();
+  });
+  assert.match(framed.read(), /frame = 252/);
+  await framed.end();
+});
+
+test("a held key is moved one frame from where its hold begins", async () => {
+  const editor = await edit("reveal.toml", "camera_rig.toml", {
+    text: readFileSync(example("reveal.toml"), "utf8").replace("{ at = [ 860.0, -30.0,   4.0] }", "{ at = [ 860.0, -30.0,   4.0], frame = 90, hold = 20 }") });
+  assert.equal(await editor.page.locator("table.keys tbody tr").nth(2).locator("input").last().inputValue(), "90");
+  await afterwards(editor, async (page) => {
+    await pick(page, key(page, 2));
+    await page.locator("table.keys tbody tr").nth(2).locator("input").last().fill("");
+    await page.locator("table.keys tbody tr").nth(2).locator("input").last().press("Enter");
+    await editor.settled();
+    const met = Number(await page.locator("table.keys tbody tr").nth(2).locator("input").last().getAttribute("placeholder"));
+    // It rests from there on: at the end of the hold it would not.
+    const rests = await page.evaluate((first) => {
+      const { table, stride } = window.inbetween.store.solution.tracks[0];
+      return [Math.ceil(first), Math.floor(first) + 19].map((frame) => table[frame * stride + 4]);
+    }, met);
+    for (const slide of rests) assert.ok(Math.abs(slide - 860) < 1e-6, `at ${slide}`);
+    await page.locator("#earlier").click();
+    await editor.settled();
+    assert.equal(Number(await page.locator("table.keys tbody tr").nth(2).locator("input").last().inputValue()), Math.round(met) - 1);
+  });
+  await editor.end();
+});
+
 /** From a key to where the path passes it, in pixels. */
 const missOf = (page, k) => page.locator("#plan .key .miss").nth(k).evaluate((line) =>
   Math.hypot(Number(line.getAttribute("x2")), Number(line.getAttribute("y2"))));
@@ -533,6 +607,17 @@ test("without the program a move and a rig are dropped, edited and downloaded", 
   await page.keyboard.press("ArrowDown");
   await pick(page, key(page, 2));
   await page.keyboard.press("]");
+  // A move that is dropped again would take the edits away; a rig that is dropped again is for what is edited.
+  const edited = await shown(page);
+  await drop(example("reveal.toml"));
+  await until(page, () => document.querySelector("#said").textContent.includes("would be lost"));
+  assert.equal(await shown(page), edited);
+  await drop(example("camera_rig.toml"));
+  await until(page, (before) => document.querySelector("#verdict").dataset.hash === before, edited);
+  await pick(page, key(page, 2));
+  await page.keyboard.press("]"); // once, though the page has been begun anew
+  await page.keyboard.press("[");
+  assert.equal(await shown(page), edited);
   const [taken] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Control+s")]);
   const folder = mkdtempSync(join(tmpdir(), "inbetween-alone-"));
   const path = join(folder, taken.suggestedFilename());

@@ -1,7 +1,7 @@
 // The page without the program: it reads a move and a rig that are dropped on it, and gives the move back as a download.
 // It knows the plain kind of move; what else a file says is the program's to read.
 import { parse, TomlError } from "smol-toml";
-import { byId, html } from "./dom";
+import { byId, html, say } from "./dom";
 import { type Axis, cornerField, type Key, type Move, parseFps, plainKey, type Spline, type Track } from "./move";
 
 type Table = Record<string, unknown>;
@@ -161,8 +161,9 @@ export function download(file: string, text: string): void {
   URL.revokeObjectURL(link.href);
 }
 
-/** Asks for files until there is a move; a rig among them gives it units and limits. */
-export function askForFiles(open: (move: Move) => void): void {
+/** Asks for files until there is a move; a rig among them gives it units and limits. `edited` is the move that is shown
+ * where it is not downloaded as it is. */
+export function askForFiles(open: (move: Move) => void, edited: () => Move | null): void {
   const told = html("p", { class: "bad", role: "alert" });
   const input = html("input", { type: "file", id: "files", accept: ".toml", multiple: true, "aria-label": "A move, and its rig" });
   byId("path").replaceChildren(html("div", { class: "empty" },
@@ -172,7 +173,13 @@ export function askForFiles(open: (move: Move) => void): void {
   const texts = new Map<string, string>();
   const read = async (files: Iterable<File>): Promise<void> => {
     told.textContent = "";
-    for (const file of files) texts.set(file.name, await file.text());
+    const dropped = [...files];
+    const now = edited();
+    if (now && dropped.some((file) => file.name === now.file)) {
+      return say("What was edited here would be lost. Take it with Save first, then drop the move again.", true);
+    }
+    for (const file of dropped) texts.set(file.name, await file.text());
+    if (now) texts.set(now.file, textOf(now)); // a rig that comes later is for the move as it is
     try {
       const all = [...texts].map(([name, text]) => ({ name, text, table: parse(text) as Table }));
       const move = all.find(({ table }) => table.track !== undefined);

@@ -60,6 +60,14 @@ export class Bar {
       }
       this.draw();
     });
+    for (const field of [this.frames, this.fps]) {
+      field.addEventListener("keydown", (event) => {
+        if (event.key !== "Escape") return;
+        field.value = field === this.frames ? String(this.store.move.frames) : this.store.move.fps.text;
+        field.select();
+        event.stopPropagation();
+      });
+    }
     this.fps.addEventListener("change", () => {
       const fps = parseFps(this.fps.value);
       if (!fps) say("Frames per second: a whole number, or a fraction such as 24000/1001.", true);

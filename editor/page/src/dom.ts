@@ -64,6 +64,18 @@ export function notice(id: string, text: string | null, ...buttons: HTMLButtonEl
   else byId("notices").append(line);
 }
 
+/** Escape takes back what is being typed in a field: `draw` writes what it had. */
+export function revertAtEscape(input: HTMLInputElement, draw: () => void): void {
+  input.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape" || !input.dataset.typing) return;
+    delete input.dataset.typing;
+    draw();
+    input.select();
+    event.preventDefault();
+    event.stopPropagation();
+  });
+}
+
 /** Follows a pointer from its press until it is let go. */
 export function follow(event: PointerEvent, move: (event: PointerEvent) => void, end: (cancelled: boolean) => void): void {
   const target = event.currentTarget as Element;

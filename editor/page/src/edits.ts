@@ -81,12 +81,18 @@ export function copyKeys(store: Store): void {
   });
   const copies: Key[] = [];
   const chosen = new Set<number>();
+  const byFrames = one.timing === "frames";
   for (const [k, key] of one.keys.entries()) {
     copies.push(key);
     if (!keys.has(k)) continue;
-    chosen.add(copies.length);
+    // Behind the last frame there is none: that key is copied to before it.
+    const isLast = byFrames && k > 0 && k === one.keys.length - 1 && !one.closed;
+    const frame = byFrames ? frameBetween(one.keys, isLast ? k - 1 : k, store.move.frames) : null;
+    if (byFrames && frame === null) return say(`There is no free frame beside key ${k}.`);
     const at = key.at.map((x, a) => roundTo(x + 0.05 * spans[a], stepFor(spans[a])));
-    copies.push({ ...key, from: null, at, frame: null, hold: null, break: false });
+    const index = isLast ? copies.length - 1 : copies.length;
+    chosen.add(index);
+    copies.splice(index, 0, { ...key, from: null, at, frame, hold: null, break: false });
   }
   store.edit(withKeys(store.move, track, copies));
   store.select({ keys: chosen, values: new Set() });

@@ -1,6 +1,6 @@
 // Under the key table: the kind of path, and what belongs to the selected keys. Its elements are made once, so that a
 // press or a word being typed survives every picture.
-import { html } from "./dom";
+import { html, revertAtEscape } from "./dom";
 import { changeKeys } from "./edits";
 import { cornerField, type Key, type Spline, withKeys, withTrack } from "./move";
 import type { Store } from "./store";
@@ -92,6 +92,7 @@ export class KeyDetail {
   private whenTyped(input: HTMLInputElement, change: () => void): void {
     input.addEventListener("input", () => (input.dataset.typing = "yes"));
     input.addEventListener("blur", () => delete input.dataset.typing);
+    revertAtEscape(input, () => this.draw());
     input.addEventListener("change", () => {
       delete input.dataset.typing;
       change();

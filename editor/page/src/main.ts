@@ -134,7 +134,10 @@ function speedSection(store: Store): void {
   new SpeedView(store, place);
 }
 
+let listening: AbortController | null = null; // of the move that is shown
 function shortcuts(store: Store, bar: Bar, preview: Preview, hand: Hand): void {
+  listening?.abort();
+  listening = new AbortController();
   document.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     const control = event.ctrlKey || event.metaKey;
@@ -172,7 +175,7 @@ function shortcuts(store: Store, bar: Bar, preview: Preview, hand: Hand): void {
       return;
     }
     event.preventDefault();
-  });
+  }, { signal: listening.signal });
 }
 
 function begin(store: Store, server: Server | null, known: string, draft: Draft | null): Bar {
@@ -227,7 +230,13 @@ async function start(): Promise<void> {
   const inlined = document.getElementById("solver"); // of the page in one file
   const solver = await Solver.load(inlined ? await (await fetch(`data:application/wasm;base64,${inlined.textContent!.trim()}`)).arrayBuffer()
     : await fetch("solver.wasm"));
-  if (inlined) return askForFiles((move) => void begin(new Store(solver, move), null, "", null));
+  if (inlined) {
+    let shown: Store | null = null;
+    return askForFiles((move) => {
+      shown = new Store(solver, move);
+      begin(shown, null, "", null);
+    }, () => (shown?.isChanged ? shown.move : null));
+  }
   const server = Server.find();
   if (!server) {
     byId("path").append(html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of the file."));

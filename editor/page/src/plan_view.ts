@@ -26,6 +26,7 @@ export class PlanView {
   private readonly size: Readonly<Size>;
   private held: Box | null = null; // while a key is dragged the view stands still
   private drawnFrom: unknown[] = [];
+  private isPressing = false;
   horizontal = 0;
   vertical = 1;
 
@@ -208,7 +209,7 @@ export class PlanView {
       group.addEventListener("pointerdown", (event) => this.press(event, k));
       group.addEventListener("keydown", (event) => this.type(event, k));
       group.addEventListener("focus", () => {
-        if (!store.selection.keys.has(k)) store.selectKey(k);
+        if (!this.isPressing && !store.selection.keys.has(k)) store.selectKey(k);
       });
       this.keys.push(group);
       this.handles.append(group);
@@ -285,7 +286,9 @@ export class PlanView {
     event.stopPropagation();
     const { store } = this;
     const more = event.shiftKey || event.ctrlKey || event.metaKey;
+    this.isPressing = true; // a press says itself what is selected, and adds to it with Shift or Ctrl
     this.keys[k].focus({ preventScroll: true });
+    this.isPressing = false;
     if (more || !store.selection.keys.has(k)) store.selectKey(k, more);
     const track = store.move.tracks[this.one.index];
     if (track.fixed_keys) return say(`Keys of this track: ${track.fixed_keys}.`);

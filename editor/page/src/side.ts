@@ -1,5 +1,5 @@
 // Beside the path: the keys as numbers, and every axis over time.
-import { attributes, button, html, say, svg } from "./dom";
+import { attributes, button, html, revertAtEscape, say, svg } from "./dom";
 import { changeKeys, copyKeys, insertOnPath, removeKeys } from "./edits";
 import { KeyDetail } from "./key_detail";
 import { firstAxis } from "./move";
@@ -80,9 +80,15 @@ export class KeyTable {
         changeKeys(store, new Set([k]), (key) => ({ ...key, frame: value, break: value === null ? false : key.break }));
       }));
       const row = html("tr", {}, number, ...cells, frame);
-      row.addEventListener("pointerdown", (event) => store.selectKey(k, event.ctrlKey || event.metaKey));
+      // A press says itself what is selected, before its field gets the keyboard.
+      let isPressed = false;
+      row.addEventListener("pointerdown", (event) => {
+        isPressed = true;
+        store.selectKey(k, event.shiftKey || event.ctrlKey || event.metaKey);
+      });
+      for (const end of ["click", "pointerleave", "pointercancel"]) row.addEventListener(end, () => (isPressed = false));
       row.addEventListener("focusin", () => {
-        if (!store.selection.keys.has(k)) store.selectKey(k);
+        if (!isPressed && !store.selection.keys.has(k)) store.selectKey(k);
       });
       return row;
     });
@@ -103,6 +109,7 @@ export class KeyTable {
       this.draw();
     });
     input.addEventListener("blur", () => delete input.dataset.typing);
+    revertAtEscape(input, () => this.draw());
     return input;
   }
 }

@@ -22,6 +22,7 @@ export class SpeedView {
   private readonly size: Readonly<Size>;
   private top = max_control_value; // of the scale, in control values
   private held = false;
+  private isPressing = false;
 
   constructor(private readonly store: Store, place: HTMLElement) {
     this.root.append(this.red, this.polygon, this.overText, this.cursor, this.band, this.handles);
@@ -166,7 +167,7 @@ export class SpeedView {
       knob.addEventListener("pointerdown", (event) => this.press(event, i));
       knob.addEventListener("keydown", (event) => this.type(event, i));
       knob.addEventListener("focus", () => {
-        if (!store.selection.values.has(i)) store.selectValue(i);
+        if (!this.isPressing && !store.selection.values.has(i)) store.selectValue(i);
       });
       this.knobs.push(knob);
       this.handles.append(knob);
@@ -195,7 +196,9 @@ export class SpeedView {
     event.stopPropagation();
     const { store } = this;
     const more = event.shiftKey || event.ctrlKey || event.metaKey;
+    this.isPressing = true; // a press says itself what is selected, and adds to it with Shift or Ctrl
     this.knobs[i].focus({ preventScroll: true });
+    this.isPressing = false;
     if (more || !store.selection.values.has(i)) store.selectValue(i, more);
     const why = fixedSpeed(this.track);
     if (why) return say(why);
@@ -271,7 +274,8 @@ export class SpeedView {
     const change = (by: number): void => {
       const why = fixedSpeed(this.track);
       if (why) return say(why);
-      const chosen = new Set(store.selection.values).add(i);
+      // What is selected, and not where the keyboard was before something was inserted.
+      const chosen = store.selection.values.size > 0 ? store.selection.values : new Set([i]);
       store.edit(setValues(store.move, store.selection.track, (value, k) => (chosen.has(k) ? value + by : value)));
     };
     const step = event.shiftKey ? 5 : event.altKey ? 0.05 : 0.5;
