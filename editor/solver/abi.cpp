@@ -183,8 +183,8 @@ std::int32_t ib_speed(std::int32_t index, std::int32_t samples) {
   return samples;
 }
 
-/// For every segment and the end of the path an integer, the key that is passed there or -1, and numbers: the
-/// frame, s, and the position of every axis.
+/// Every segment, and the end of the path, has an integer: the key that is passed there, or -1. It has these
+/// numbers: the frame, s, and the position of every axis.
 std::int32_t ib_key_frames(std::int32_t index) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;

@@ -75,7 +75,7 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
   }
   if (locks > 0) input.locks = std::span(locks_).first(static_cast<std::size_t>(locks));
   input.key_frames = reader.integers(key_frames);
-  // What corners are rounded by: frames of overlap, or the tolerance at a drawn speed.
+  // Keys on frames have overlaps, and at a drawn speed keys have tolerances.
   if (key_frames > 0) {
     path.overlap_frames = reader.integers(corners);
   } else {

@@ -232,7 +232,7 @@ class AxisRefusals {
   }
   [[nodiscard]] std::string remedy_of(const CheckedStep& step) const {
     const bool is_at_an_end = is_start(step) || is_end(step);
-    if (track_.timing == Timing::frames && kinetic_of(track_) != MoveKinetic::pace) {
+    if (!has_speed_curve(track_)) {
       if (track_.spline == Spline::linear) return "use spline = \"smooth\" and kinetic = \"curves\"";
       if (kinetic_of(track_) != MoveKinetic::curves) return "use kinetic = \"curves\"";
       if (track_.spline != Spline::smooth)
@@ -252,8 +252,8 @@ class AxisRefusals {
   }
   /// Where the path turns on the spot, at a key or between keys.
   [[nodiscard]] std::string remedy_of_turn(double frame) const {
-    const bool has_curve = track_.timing == Timing::speed || kinetic_of(track_) == MoveKinetic::pace;
-    if (!has_curve) return "use kinetic = \"curves\", or move a key so that the path goes round";
+    if (!has_speed_curve(track_))
+      return "use kinetic = \"curves\", or move a key so that the path goes round";
     // A path that goes beyond a key and back turns so near to it that both touches would be on one frame.
     const bool can_overshoot = track_.overshoot && !track_.space &&
                                (track_.spline == Spline::smooth || track_.spline == Spline::catmull_rom);

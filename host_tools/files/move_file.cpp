@@ -153,8 +153,7 @@ void read_weights(const TomlTable& table, MoveTrack& track) {
 /// Of keys on frames, a track may rest whose motion takes its time: the keys are known.
 void refuse_rest(const TomlTable& table, const MoveTrack& track) {
   const auto rest = table.optional("rest");
-  if (!rest || track.timing == Timing::speed || has_overlap(track)) return;
-  if (kinetic_of(track) == MoveKinetic::curves || kinetic_of(track) == MoveKinetic::pace) return;
+  if (!rest || has_speed_curve(track) || is_over_time(track) || has_overlap(track)) return;
   rest->refuse(R"(needs a drawn speed, kinetic = "curves" or "pace", or overlap; remove it)");
 }
 
@@ -181,8 +180,6 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
           R"(is "curves", and spline = "linear" has none; write kinetic = "linear" or another spline)");
     }
   }
-  const bool by_frames = track.timing == Timing::frames;
-  const bool is_curve = !by_frames || kinetic_of(track) == MoveKinetic::pace;
   const CornerFields corners = read_corner_fields(table, track);
   track.overlap = corners.overlap;
   track.round = corners.round;
@@ -193,7 +190,7 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
   }
   if (const auto at_corners = table.optional("corners")) {
     track.ease_corners = at_corners->choice({"pass", "ease"}) == 1;
-    if (track.ease_corners && !is_curve) {
+    if (track.ease_corners && !has_speed_curve(track)) {
       at_corners->refuse(R"(is "ease", which is for a speed curve: timing = "speed", or kinetic = "pace")");
     }
   }
@@ -333,6 +330,10 @@ void replace_curve(MoveTrack& track, std::vector<double> control_values) {
 
 MoveKinetic kinetic_of(const MoveTrack& track) {
   return track.kinetic.value_or(track.spline == Spline::linear ? MoveKinetic::linear : MoveKinetic::curves);
+}
+
+bool has_speed_curve(const MoveTrack& track) {
+  return track.timing == Timing::speed || kinetic_of(track) == MoveKinetic::pace;
 }
 
 std::int32_t overlap_of(const MoveTrack& track, const MoveKey& key) {

@@ -177,6 +177,8 @@ struct MoveFile {
 
 /// The kinetic of a track with Timing::frames, written or not.
 MoveKinetic kinetic_of(const MoveTrack& track);
+/// Whether a speed curve says how fast: a drawn one, or a pace.
+bool has_speed_curve(const MoveTrack& track);
 /// Whether every axis is a curve over time: the keys have frames, and the kinetic is "curves".
 bool is_over_time(const MoveTrack& track);
 

@@ -189,8 +189,7 @@ MoveKey read_key(const TomlValue& value, std::int32_t frames, MoveTrack& track) 
 CornerFields read_corner_fields(const TomlTable& table, const MoveTrack& track) {
   CornerFields fields;
   const bool is_straight = track.spline == Spline::linear;
-  const bool by_frames = track.timing == Timing::frames;
-  const bool is_curve = !by_frames || kinetic_of(track) == MoveKinetic::pace;
+  const bool is_curve = has_speed_curve(track);
   if (const auto overlap = table.optional("overlap")) {
     if (!is_straight || is_curve || kinetic_of(track) != MoveKinetic::linear) {
       overlap->refuse(

@@ -29,10 +29,6 @@ struct Tried {
   Place place = {};
 };
 
-bool has_curve(const MoveTrack& track) {
-  return track.timing == Timing::speed || kinetic_of(track) == MoveKinetic::pace;
-}
-
 std::string keys_in_words(const std::set<std::size_t>& keys) {
   std::vector<std::string> numbers;
   numbers.reserve(keys.size());
@@ -174,7 +170,7 @@ class CureSearch {
   /// At the keys where axes of the track step, or that are nearest to where they are refused; and where that
   /// shows others, there.
   bool ease(Tried& tried, std::size_t index) const {
-    if (!has_curve(tried.move.tracks[index])) return false;
+    if (!has_speed_curve(tried.move.tracks[index])) return false;
     std::set<std::size_t> eased;
     for (int round = 0; round < max_ease_rounds; ++round) {
       const std::optional<Judged> now = judged(tried.move, check_motion);
@@ -296,7 +292,7 @@ class CureSearch {
   }
   bool ease_corners(Tried& tried, std::size_t index) const {
     MoveTrack& track = tried.move.tracks[index];
-    if (track.ease_corners || !has_curve(track)) return false;
+    if (track.ease_corners || !has_speed_curve(track)) return false;
     track.ease_corners = true;
     say(tried, index, track.place, "corners = \"ease\"");
     return true;
@@ -312,7 +308,7 @@ class CureSearch {
   }
   bool smooth(Tried& tried, std::size_t index) const {
     MoveTrack& track = tried.move.tracks[index];
-    if (track.spline == Spline::smooth || !(has_curve(track) || is_over_time(track))) return false;
+    if (track.spline == Spline::smooth || !(has_speed_curve(track) || is_over_time(track))) return false;
     track.spline = Spline::smooth;
     for (MoveKey& key : track.keys) key.tension = key.continuity = key.bias = 0;
     say(tried, index, track.place,
@@ -322,7 +318,7 @@ class CureSearch {
   }
   bool curve(Tried& tried, std::size_t index) const {
     MoveTrack& track = tried.move.tracks[index];
-    if (has_curve(track) || kinetic_of(track) == MoveKinetic::curves) return false;
+    if (has_speed_curve(track) || kinetic_of(track) == MoveKinetic::curves) return false;
     track.kinetic = MoveKinetic::curves;
     std::string words = "kinetic = \"curves\"";
     if (track.spline == Spline::linear) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host_tools/joints/vector_length.hpp"
+#include "host_tools/plan/cubic_part.hpp"
 #include "host_tools/plan/row_spline.hpp"
 
 namespace inbetween {
@@ -18,12 +19,6 @@ constexpr std::int16_t max_parts = 2048;
 constexpr double slow_share = 0.01;
 
 using Row = Follower::Row;
-
-/// c on t from `begin` to `begin + size`, as a cubic on 0 to 1.
-Cubic cut(const Cubic& c, double begin, double size) {
-  return {c.value(begin), size * c.derivative(begin), size * size * c.second(begin) / 2,
-          size * size * size * c.c3};
-}
 
 class Construction {
  public:

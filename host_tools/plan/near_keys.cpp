@@ -13,7 +13,7 @@ constexpr std::size_t world_coordinates = 3;
 bool goes_by_distance(const MoveTrack& track) {
   if (track.spline == Spline::linear) return false;
   if (track.space && !track.space->has_at) return false;
-  return track.timing == Timing::speed || kinetic_of(track) == MoveKinetic::pace;
+  return has_speed_curve(track);
 }
 
 double distance_between(const MoveTrack& track, const MoveKey& one, const MoveKey& other) {

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <limits>
 
+#include "host_tools/plan/cubic_part.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -21,12 +23,6 @@ constexpr double max_gap_ulps = 8;
 
 Cubic plus(const Cubic& a, double weight, const Cubic& b) {
   return {a.c0 + weight * b.c0, a.c1 + weight * b.c1, a.c2 + weight * b.c2, a.c3 + weight * b.c3};
-}
-
-/// c(t + share * u) as a cubic of u.
-Cubic restarted(const Cubic& c, double t, double share) {
-  const double square = share * share;
-  return {c.value(t), share * c.derivative(t), square * (c.c2 + 3 * t * c.c3), square * share * c.c3};
 }
 
 std::vector<FrameSpline> drawn_curves(const NetworkSpec& spec) {
@@ -78,8 +74,7 @@ Cubic FrameSpline::part(std::size_t segment, std::size_t axis, std::int64_t begi
   const auto length = static_cast<double>(knots_[segment + 1] - first);
   const Cubic& whole = cubics_[segment * axes_ + axis];
   if (begin == first && end == knots_[segment + 1]) return whole;
-  return restarted(whole, static_cast<double>(begin - first) / length,
-                   static_cast<double>(end - begin) / length);
+  return cut(whole, static_cast<double>(begin - first) / length, static_cast<double>(end - begin) / length);
 }
 
 double FrameSpline::value(std::int32_t frame, std::size_t axis) const {

@@ -84,9 +84,9 @@ int number(int from, int below) {
   return *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(from, below));
 }
 
-CorneredMove random_keys(int most_axes) {
+CorneredMove random_keys(int max_axes) {
   CorneredMove move;
-  move.axes = number(1, most_axes + 1);
+  move.axes = number(1, max_axes + 1);
   const int count = number(2, 9);
   move.closed = count > 2 && number(0, 3) == 0;
   for (int k = 0; k < count; ++k) {

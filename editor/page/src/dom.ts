@@ -64,8 +64,15 @@ export function notice(id: string, text: string | null, ...buttons: HTMLButtonEl
   else byId("notices").append(line);
 }
 
-/** Escape takes back what is being typed in a field: `draw` writes what it had. */
-export function revertAtEscape(input: HTMLInputElement, draw: () => void): void {
+/** A field that is being typed in keeps its words. They count when it is left, or at Enter; Escape takes them back, and
+ * `draw` writes what it had. */
+export function whenTyped(input: HTMLInputElement, change: () => void, draw: () => void): void {
+  input.addEventListener("input", () => (input.dataset.typing = "yes"));
+  input.addEventListener("blur", () => delete input.dataset.typing);
+  input.addEventListener("change", () => {
+    delete input.dataset.typing;
+    change();
+  });
   input.addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || !input.dataset.typing) return;
     delete input.dataset.typing;

@@ -1,6 +1,6 @@
 // Under the key table: the kind of path, and what belongs to the selected keys. Its elements are made once, so that a
 // press or a word being typed survives every picture.
-import { html, revertAtEscape } from "./dom";
+import { html, whenTyped } from "./dom";
 import { changeKeys } from "./edits";
 import { cornerField, type Key, type Spline, withKeys, withTrack } from "./move";
 import type { Store } from "./store";
@@ -33,11 +33,12 @@ export class KeyDetail {
     this.spline.addEventListener("change", () => this.changeSpline(this.spline.value as Spline));
     this.closed.addEventListener("change", () =>
       store.edit(withTrack(store.move, store.selection.track, { closed: this.closed.checked })));
-    this.whenTyped(this.hold, () => {
+    const draw = (): void => this.draw();
+    whenTyped(this.hold, () => {
       const value = Math.round(Number(this.hold.value));
       changeKeys(store, store.selection.keys, (one) => ({ ...one, hold: value > 0 ? value : null, ease: value > 0 ? false : one.ease }));
-    });
-    this.whenTyped(this.corner, () => this.changeCorner());
+    }, draw);
+    whenTyped(this.corner, () => this.changeCorner(), draw);
   }
 
   draw(): void {
@@ -86,17 +87,6 @@ export class KeyDetail {
     if (field === null || (value !== null && !(value >= 0))) return;
     const written = value !== null && field === "overlap" ? Math.round(value) : value;
     changeKeys(store, store.selection.keys, (one) => ({ ...one, [field]: written }));
-  }
-
-  /** A field that is being typed in keeps its words; they count when it is left, or at Enter. */
-  private whenTyped(input: HTMLInputElement, change: () => void): void {
-    input.addEventListener("input", () => (input.dataset.typing = "yes"));
-    input.addEventListener("blur", () => delete input.dataset.typing);
-    revertAtEscape(input, () => this.draw());
-    input.addEventListener("change", () => {
-      delete input.dataset.typing;
-      change();
-    });
   }
 
   /** The shape of keys is that of a tcb path, and only straight ways have corners to round. */

@@ -1,5 +1,5 @@
 // Beside the path: the keys as numbers, and every axis over time.
-import { attributes, button, html, revertAtEscape, say, svg } from "./dom";
+import { attributes, button, html, say, svg, whenTyped } from "./dom";
 import { changeKeys, copyKeys, insertOnPath, removeKeys } from "./edits";
 import { KeyDetail } from "./key_detail";
 import { firstAxis } from "./move";
@@ -102,14 +102,10 @@ export class KeyTable {
 
   private input(label: string, fixed: boolean, change: (text: string) => void): HTMLInputElement {
     const input = html("input", { inputmode: "decimal", "aria-label": label, readonly: fixed });
-    input.addEventListener("input", () => (input.dataset.typing = "yes"));
-    input.addEventListener("change", () => {
-      delete input.dataset.typing;
+    whenTyped(input, () => {
       change(input.value);
       this.draw();
-    });
-    input.addEventListener("blur", () => delete input.dataset.typing);
-    revertAtEscape(input, () => this.draw());
+    }, () => this.draw());
     return input;
   }
 }

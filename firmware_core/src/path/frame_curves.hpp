@@ -38,12 +38,6 @@ class FrameCurves {
     for (std::size_t k = 0; k < intervals_; ++k) count += parts(k);
     return count;
   }
-  /// The key from which the segment leads.
-  [[nodiscard]] std::size_t key_of(std::size_t segment) const {
-    std::size_t k = 0;
-    for (std::size_t end = parts(0); end <= segment && k + 1 < intervals_; end += parts(k)) ++k;
-    return k;
-  }
 
   /// Writes all cubics, and the knot at which each segment begins.
   void write() {

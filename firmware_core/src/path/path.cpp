@@ -132,12 +132,9 @@ class Construction {
  private:
   [[nodiscard]] double key(std::size_t i, std::size_t d) const { return spec_.key(i, d); }
   [[nodiscard]] double chord(std::size_t i, std::size_t d) const { return key(i + 1, d) - key(i, d); }
-  /// The key from which a segment leads.
+  /// The key from which a segment leads, once it is built.
   [[nodiscard]] std::int32_t key_of(std::size_t segment) const {
-    if (RoundedCorners::are_asked(spec_))
-      return static_cast<std::int32_t>(RoundedCorners(spec_, memory_).key_of(segment));
-    const bool by_frames = !spec_.key_frames.empty();
-    return static_cast<std::int32_t>(by_frames ? FrameCurves(spec_, memory_).key_of(segment) : segment);
+    return has_knots(spec_) ? memory_.knots[segment].key : static_cast<std::int32_t>(segment);
   }
   [[nodiscard]] Cubic& cubic(std::size_t i, std::size_t d) { return cubics_[i * axes_ + d]; }
 
@@ -370,8 +367,7 @@ Result<Path> Path::make(const PathSpec& spec, const PathMemory& memory) {
   path.cubics_ =
       memory.cubics.first((construction.segments() + 1) * static_cast<std::size_t>(spec.axis_count));
   path.weights_ = construction.weights();
-  if (!spec.key_frames.empty() || RoundedCorners::are_asked(spec))
-    path.knots_ = memory.knots.first(construction.segments());
+  if (has_knots(spec)) path.knots_ = memory.knots.first(construction.segments());
   path.over_frames_ = !spec.key_frames.empty();
   path.overshoots_ = spec.overshoot;
   path.spline_ = spec.spline;

@@ -137,6 +137,11 @@ inline Status check_corners(const PathSpec& spec, const PathMemory& memory) {
   return RoundedCorners(spec, memory).check_actions();
 }
 
+/// Whether segments may begin between keys.
+inline bool has_knots(const PathSpec& spec) {
+  return !spec.key_frames.empty() || RoundedCorners::are_asked(spec);
+}
+
 inline std::size_t segment_count_of(const PathSpec& spec, const PathMemory& memory) {
   if (RoundedCorners::are_asked(spec)) return RoundedCorners(spec, memory).segments();
   if (!spec.key_frames.empty()) return FrameCurves(spec, memory).segments();
@@ -146,11 +151,10 @@ inline std::size_t segment_count_of(const PathSpec& spec, const PathMemory& memo
 
 inline Status check_memory(const PathSpec& spec, const PathMemory& memory) {
   const auto axes = static_cast<std::size_t>(spec.axis_count);
-  const bool has_knots = !spec.key_frames.empty() || RoundedCorners::are_asked(spec);
   const std::size_t segments = segment_count_of(spec, memory);
   const std::size_t rows = segments + 1;
   if (memory.cubics.size() < rows * axes || memory.weights.size() < axes ||
-      (has_knots && memory.knots.size() < segments)) {
+      (has_knots(spec) && memory.knots.size() < segments)) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the path has more keys and axes than its memory",
                  .remedy = "give it a larger capacity",

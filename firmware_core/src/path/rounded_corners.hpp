@@ -55,13 +55,6 @@ class RoundedCorners {
     for (std::size_t k = 0; k < legs_; ++k) count += leg_of(k).segments();
     return count;
   }
-  /// The key from which the segment leads.
-  [[nodiscard]] std::size_t key_of(std::size_t segment) const {
-    std::size_t k = 0;
-    for (std::size_t end = leg_of(0).segments(); end <= segment && k + 1 < legs_;)
-      end += leg_of(++k).segments();
-    return k;
-  }
 
   /// Writes all cubics and knots.
   void write() {
@@ -86,7 +79,7 @@ class RoundedCorners {
   }
 
  private:
-  /// What u counts, and half of what is rounded at either end.
+  /// A leg is so long as u counts it, and half of what is rounded at either end lies on it.
   struct Leg {
     double extent = 0, begin = 0, end = 0;
     bool begins_at_rest = false, ends_at_rest = false;
@@ -106,7 +99,7 @@ class RoundedCorners {
     static std::size_t halves(double width, bool rests) { return width > 0 ? (rests ? 2 : 1) : 0; }
   };
 
-  /// Of a leg in space: knots are no closer to each other than two of so many parts.
+  /// Knots divide a leg in space into so many parts.
   static constexpr std::int32_t leg_parts = 1 << 20;
   /// Between unit directions: a corner that turns less is none, and one that lacks less to turn back stays.
   static constexpr double min_turn = 1e-12;
@@ -140,7 +133,7 @@ class RoundedCorners {
     const double one = extent(before);
     const double other = extent(behind);
     if (!(tolerance > 0) || !(one > 0) || !(other > 0)) return 0;
-    // Of the unit directions the difference, and the sum.
+    // The legs have unit directions, and this is how long their sum is, or with -1 their difference.
     const auto joined = [&](double sign) {
       return scaled_norm(axes_, [&](std::size_t d) {
         return weight(d) * (chord(behind, d) / other + sign * (chord(before, d) / one));
@@ -164,7 +157,8 @@ class RoundedCorners {
             .ends_at_rest = by_frames() && k + 1 == legs_ && spec_.rests_at_end};
   }
 
-  /// What u counts of a leg and its neighbours, and an axis per u there: at a rest 0.
+  /// A leg and its neighbours have these lengths as u counts them, and an axis has such velocities there: at
+  /// a rest it has 0.
   struct Actions {
     double before = 0, own = 0, behind = 0;
   };

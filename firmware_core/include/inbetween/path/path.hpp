@@ -54,13 +54,13 @@ struct PathSpec {
   /// Only with `key_frames`: velocity and acceleration are 0 at that end.
   bool rests_at_start = true;
   bool rests_at_end = true;
-  /// Of a linear path over frames, one per key, in frames, >= 0: for so long the actions before and after the
-  /// key overlap, half of it on either side of its frame (Tuori, Tools and techniques for computer-aided
+  /// One per key of a linear path over frames, in frames, >= 0: the actions before and after the key overlap
+  /// for so long, half of it on either side of its frame (Tuori, Tools and techniques for computer-aided
   /// animation, 1977). The position is the straight way convolved with a triangle so wide: cubics, C2. The
   /// last key is met, and key 0: an action that begins or ends at rest is shorter by half the overlap there,
   /// and at an end without a rest nothing overlaps. The seam of a periodic path overlaps as any other key.
   std::span<const std::int32_t> overlap_frames = {};
-  /// Of a linear path with no notion of time, one per key, >= 0, in weighted distance: the path passes the
+  /// One per key of a linear path with no notion of time, >= 0, in weighted distance: the path passes the
   /// key no further away than this, by a C2 blend of two cubics over at most half of either leg (the path
   /// tolerance of machine tools, G64 P). A corner that turns straight back stays. Of a closed path key 0 is
   /// the seam, and the ends of an open one are met.
