@@ -129,7 +129,7 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   json.member("speed_as_written", track.speed);
   json.member("speed_is_played", is_played);
   json.key("network");
-  if (track.network) {
+  if (track.network && !is_row_of_points(track)) {
     write_network(json, track);
   } else {
     json.null();

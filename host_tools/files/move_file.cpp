@@ -310,9 +310,23 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
 
 }  // namespace
 
+std::string coordinate_name(const std::string& tip, std::size_t coordinate) {
+  return fmt::format("{}.{}", tip, "xyz"[coordinate]);
+}
+
+bool is_row_of_points(const MoveTrack& track) {
+  return track.space && track.network;
+}
+
 std::vector<std::string> coordinates_of(const MoveTrack& track) {
   if (!track.space) return track.axes;
   std::vector<std::string> names;
+  if (is_row_of_points(track)) {
+    for (const std::string& tip : track.space->tips) {
+      for (std::size_t c = 0; c < world_coordinates; ++c) names.push_back(coordinate_name(tip, c));
+    }
+    return names;
+  }
   if (track.space->has_at) names = {"x", "y", "z"};
   if (track.space->has_aim) names.insert(names.end(), {"x of aim", "y of aim", "z of aim"});
   if (track.space->has_roll) names.emplace_back("roll");

@@ -92,9 +92,9 @@ struct CurveWish {
 
 /// Keys that say where a link of the rig is in the world, and not where the axes are. MoveKey::at has the
 /// coordinates that keys have, in this order: x, y, z of the link (m), x, y, z of the point at which it looks
-/// (m), its roll (deg).
+/// (m), its roll (deg). Of a row of points it has x, y, z (m) of each.
 struct MoveSpace {
-  std::string tip;
+  std::vector<std::string> tips;  // one, or of a network the points of its row
   Place place;
   bool has_at = false;
   bool has_aim = false;
@@ -116,17 +116,18 @@ struct MoveDistance {
 
 /// The curve over time that is drawn of one axis of a network.
 struct DrawnAxis {
-  std::size_t axis = 0;              // of the track
+  std::size_t axis = 0;              // of coordinates_of() the track
   std::vector<std::int32_t> frames;  // rising, the first 0, the last that of the move
   std::vector<double> at;            // on each of them, in `unit`
   std::vector<Place> places;         // of each of them
   MoveUnit unit = MoveUnit::of_rig;
 };
 
-/// A row of axes of which some are drawn and the others follow, through their keys (plan/network.hpp).
+/// A row of axes, or of points in space, of which some are drawn and the others follow, through their keys
+/// (plan/network.hpp).
 struct MoveNetwork {
-  std::vector<double> places;    // of each axis in the row, not falling
-  std::vector<DrawnAxis> drawn;  // in the order of the axes
+  std::vector<double> places;    // of each axis or point in the row, not falling
+  std::vector<DrawnAxis> drawn;  // in the order of the axes, or of the coordinates of the points
   Place place;
 };
 
@@ -190,6 +191,12 @@ double round_of(const MoveTrack& track, const MoveKey& key);
 bool has_overlap(const MoveTrack& track);
 bool has_round(const MoveTrack& track);
 
+/// x, y and z of a point.
+inline constexpr std::size_t world_coordinates = 3;
+/// Of a point in a row: "brow.x".
+std::string coordinate_name(const std::string& tip, std::size_t coordinate);
+/// Whether the track is a network of points in space.
+bool is_row_of_points(const MoveTrack& track);
 /// What a coordinate of a key is called: the axes, or those of MoveSpace.
 std::vector<std::string> coordinates_of(const MoveTrack& track);
 

@@ -169,7 +169,9 @@ MoveKey read_key(const TomlValue& value, std::int32_t frames, MoveTrack& track) 
   const TomlTable table(value.table(), fmt::format("key {}", index), key_fields);
   MoveKey key;
   key.place = table.place();
-  if (track.space) {
+  if (is_row_of_points(track)) {
+    read_row_position(table, track, key);
+  } else if (track.space) {
     read_space_position(table, index, track, key);
   } else {
     refuse_space_fields(table);

@@ -6,12 +6,14 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "host_tools/files/csv_table.hpp"
+#include "host_tools/files/move_space_reader.hpp"
 #include "host_tools/files/toml_source.hpp"
 
 namespace inbetween {
@@ -49,10 +51,14 @@ void refuse_other_curves(const TomlTable& table, const TomlValue& network, const
   }
 }
 
+/// What the row is made of: axes, or points in space.
+const std::vector<std::string>& row_of(const MoveTrack& track) {
+  return track.space ? track.space->tips : track.axes;
+}
+
 void refuse_other_keys(const TomlTable& table, const MoveTrack& track) {
-  for (const std::string_view field : {"space", "distance"}) {
-    if (const auto value = table.optional(field))
-      value->refuse("is for other tracks: the keys of a network are positions of its axes; remove it");
+  if (const auto distance = table.optional("distance")) {
+    distance->refuse("is for other tracks: a network goes by the frames of its keys; remove it");
   }
   if (!track.wraps.empty()) {
     table.required("wrap", "")
@@ -66,22 +72,23 @@ void refuse_other_keys(const TomlTable& table, const MoveTrack& track) {
 std::vector<double> read_places(const TomlTable& table, const MoveTrack& track) {
   std::vector<double> places;
   const auto written = table.optional("places");
+  const std::vector<std::string>& row = row_of(track);
   if (!written) {  // evenly spaced
-    for (std::size_t d = 0; d < track.axes.size(); ++d) places.push_back(static_cast<double>(d));
+    for (std::size_t i = 0; i < row.size(); ++i) places.push_back(static_cast<double>(i));
     return places;
   }
   for (const TomlValue& place : written->list(max_track_axes)) {
     places.push_back(place.number());
     if (places.size() < 2 || places.back() >= places[places.size() - 2]) continue;
     place.refuse(
-        fmt::format("is {:g}, behind {:g}; write the axes in the order of their row, and the places "
+        fmt::format("is {:g}, behind {:g}; write the {} in the order of their row, and the places "
                     "so that none is below the one before",
-                    places.back(), places[places.size() - 2]));
+                    places.back(), places[places.size() - 2], track.space ? "points" : "axes"));
   }
-  if (places.size() == track.axes.size()) return places;
-  written->refuse(fmt::format("has {}; write {}, one for each of its axes ({})",
-                              counted(static_cast<std::int64_t>(places.size()), "number"), track.axes.size(),
-                              comma_separated(track.axes)));
+  if (places.size() == row.size()) return places;
+  written->refuse(fmt::format("has {}; write {}, one for each of its {} ({})",
+                              counted(static_cast<std::int64_t>(places.size()), "number"), row.size(),
+                              track.space ? "points" : "axes", comma_separated(row)));
 }
 
 /// The next point of a curve, which comes later than those that it has.
@@ -186,6 +193,60 @@ CsvTable read_csv_beside(const TomlValue& value) {
   return parse_csv(read_text_file(path), path.string());
 }
 
+/// Points of three numbers, for the three curves of a point of the row.
+void read_points_in_space(const TomlValue& value, std::int32_t frames, MoveUnit unit,
+                          std::span<DrawnAxis> drawn) {
+  for (const TomlValue& point : value.tables(max_drawn_points)) {
+    const TomlTable table(point.table(), point.name(), point_fields);
+    const TomlValue frame = table.required("frame", "frame = 0, say");
+    const std::array place = read_world_place(table.required("at", "at = [x, y, z]"), unit);
+    for (std::size_t c = 0; c < drawn.size(); ++c) {
+      add_point(drawn[c], static_cast<std::int32_t>(frame.integer(0, frames)), place.at(c).metres,
+                frame.place(), place.at(c).place);
+    }
+  }
+  for (const DrawnAxis& coordinate : drawn) refuse_unfinished(coordinate, frames, value.place());
+}
+
+/// The columns tip.x, tip.y and tip.z, in metres. All three have the same frames.
+void read_csv_in_space(const CsvTable& table, const std::string& tip, std::int32_t frames,
+                       std::span<DrawnAxis> drawn) {
+  for (std::size_t c = 0; c < drawn.size(); ++c) {
+    DrawnAxis& coordinate = drawn[c];
+    read_csv(table, coordinate_name(tip, c), frames, coordinate);
+    for (std::size_t i = 0; i < coordinate.at.size(); ++i)
+      coordinate.at[i] = world_metres(coordinate.at[i], coordinate.unit, coordinate.places[i]);
+    const auto [here, first] = std::ranges::mismatch(coordinate.frames, drawn[0].frames);
+    if (here == coordinate.frames.end() && first == drawn[0].frames.end()) continue;
+    throw InputError(coordinate.places[static_cast<std::size_t>(here - coordinate.frames.begin())],
+                     fmt::format("frame {} has one of {} and {} alone; give every row that draws a point all "
+                                 "three numbers",
+                                 std::min(*here, *first), coordinate_name(tip, 0), coordinate_name(tip, c)));
+  }
+}
+
+/// What is drawn of an entry of the row: one curve of an axis, three of a point.
+void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, const MoveTrack& track,
+                MoveNetwork& network) {
+  const std::string& name = row_of(track)[index];
+  const bool is_list = curve.node().is_array();
+  if (!track.space) {
+    DrawnAxis& axis = network.drawn.emplace_back();
+    axis.axis = index;
+    axis.unit = track.units.empty() ? MoveUnit::of_rig : track.units[index];
+    return is_list ? read_points(curve, frames, axis) : read_csv(read_csv_beside(curve), name, frames, axis);
+  }
+  const std::size_t first = network.drawn.size();
+  for (std::size_t c = 0; c < world_coordinates; ++c) {
+    DrawnAxis& coordinate = network.drawn.emplace_back();
+    coordinate.axis = world_coordinates * index + c;
+    coordinate.unit = track.space->unit;
+  }
+  const std::span<DrawnAxis> drawn = std::span(network.drawn).subspan(first);
+  if (is_list) return read_points_in_space(curve, frames, track.space->unit, drawn);
+  read_csv_in_space(read_csv_beside(curve), name, frames, drawn);
+}
+
 }  // namespace
 
 void read_network(const TomlTable& table, std::int32_t frames, MoveTrack& track) {
@@ -194,24 +255,20 @@ void read_network(const TomlTable& table, std::int32_t frames, MoveTrack& track)
   refuse_other_curves(table, *network, track);
   refuse_other_keys(table, track);
   MoveNetwork read{.places = read_places(table, track), .drawn = {}, .place = network->place()};
-  const TomlValue drawn = table.required("drawn", R"(drawn = { NAME_OF_AN_AXIS = "curve.csv" })");
-  const std::vector<std::string_view> names(track.axes.begin(), track.axes.end());
+  const std::string_view example = track.space ? R"(drawn = { NAME_OF_A_POINT = "curve.csv" })"
+                                               : R"(drawn = { NAME_OF_AN_AXIS = "curve.csv" })";
+  const TomlValue drawn = table.required("drawn", example);
+  const std::vector<std::string>& row = row_of(track);
+  const std::vector<std::string_view> names(row.begin(), row.end());
   const TomlTable curves(drawn.table(), "drawn", names);
-  for (std::size_t d = 0; d < track.axes.size(); ++d) {
-    const auto value = curves.optional(names[d]);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto value = curves.optional(names[i]);
     if (!value) continue;
-    const TomlValue curve(value->node(), fmt::format("drawn.{}", track.axes[d]));
-    DrawnAxis& axis = read.drawn.emplace_back();
-    axis.axis = d;
-    axis.unit = track.units.empty() ? MoveUnit::of_rig : track.units[d];
-    if (curve.node().is_array()) {
-      read_points(curve, frames, axis);
-    } else {
-      read_csv(read_csv_beside(curve), track.axes[d], frames, axis);
-    }
+    read_drawn(TomlValue(value->node(), fmt::format("drawn.{}", names[i])), i, frames, track, read);
   }
   if (read.drawn.empty()) {
-    drawn.refuse(R"(names no axis; write { NAME_OF_AN_AXIS = "curve.csv" }, or remove network)");
+    drawn.refuse(
+        fmt::format("names no {}; write {}, or remove network", track.space ? "point" : "axis", example));
   }
   track.network = std::move(read);
 }

@@ -433,7 +433,7 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
     return give_up(
         fmt::format("{} looks at a link that another track moves, and what it needs follows from both; "
                     "give the move more frames, or draw the curves flatter",
-                    in_quotes(track.space->tip)));
+                    in_quotes(track.space->tips.front())));
   }
   const auto count = static_cast<double>(plan.tracks().size());
   for (std::size_t t = 0; t < plan.tracks().size(); ++t) {

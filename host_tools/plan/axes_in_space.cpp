@@ -102,7 +102,7 @@ AxesInSpace::AxesInSpace(const MoveTrack& track, const Track& drawn, const Kinem
       drawn_(drawn),
       rig_(rig),
       kinematics_(kinematics),
-      tip_(tip_named(space_.tip, space_.place, kinematics)),
+      tip_(tip_named(space_.tips.front(), space_.place, kinematics)),
       rows_(space_),
       coordinates_(coordinates_for(track, tip_, space_.place, kinematics, rig)),
       solver_(kinematics, tip_.link, axes_of_rig()),
@@ -159,7 +159,8 @@ void AxesInSpace::set_elbow() {
                      R"(an arm of two joints reaches every place with its elbow on either side; )"
                      R"(write elbow = "up" or elbow = "down")");
   }
-  if (!is_arm && space_.elbow_up) {
+  const bool is_said_of_others = track_.network.has_value();  // of the arms in its row
+  if (!is_arm && space_.elbow_up && !is_said_of_others) {
     throw InputError(
         space_.elbow_place,
         fmt::format("elbow is for an arm of two parallel joints, the shoulder first, and {} hangs on "
@@ -195,16 +196,21 @@ TipTargetRate AxesInSpace::rate(const PathPoint& place) const {
   return target_of([&](std::size_t row) { return cubics[row].derivative(place.t); }, std::nullopt);
 }
 
-const std::vector<double>& AxesInSpace::at(const FrameTime& time, const MovingPoint& aim, bool is_first) {
-  aim_ = aim.position;
+const std::vector<double>& AxesInSpace::at(const FrameTime& time, const std::optional<MovingPoint>& aim,
+                                           bool is_first) {
+  aim_.reset();
+  if (aim) aim_ = aim->position;
   return solve_at(drawn_.locate(time), is_first);
 }
 
-std::vector<double> AxesInSpace::velocities(const FrameTime& time, const MovingPoint& aim) const {
+std::vector<double> AxesInSpace::velocities(const FrameTime& time,
+                                            const std::optional<MovingPoint>& aim) const {
   std::vector<AxisMotion> motion(rows_.count);
+  std::optional<Vector3> aim_velocity;
+  if (aim) aim_velocity = aim->velocity;
   static_cast<void>(drawn_.motion(time, motion));
   return solver_.rates(target(drawn_.locate(time)),
-                       target_of([&](std::size_t row) { return motion[row].velocity; }, aim.velocity),
+                       target_of([&](std::size_t row) { return motion[row].velocity; }, aim_velocity),
                        before_);
 }
 
@@ -228,7 +234,8 @@ std::size_t AxesInSpace::weak_axis_between(const TipTarget& wanted, const std::v
 }
 
 void AxesInSpace::refuse(const PathPoint& place, const std::string& problem) const {
-  const std::size_t key = std::min(static_cast<std::size_t>(place.segment), track_.keys.size() - 1);
+  const auto passed = static_cast<std::size_t>(drawn_.path().parameter(place));
+  const std::size_t key = std::min(passed, track_.keys.size() - 1);
   const double way = drawn_.arc_length().distance(drawn_.path(), place).high;
   throw InputError(track_.keys[key].place, fmt::format("frame {:.2f}, {:.4g} m along the path: {}",
                                                        frame_of_place(drawn_, place), way, problem));

@@ -56,11 +56,12 @@ class AxesInSpace {
   /// The whole path, with an aim that its rows have, if any.
   [[nodiscard]] FollowedPath follow();
 
-  /// The positions at a moment at which the link that is looked at is there. Calls go on from the one before,
-  /// and from `near` if this `is_first`.
-  const std::vector<double>& at(const FrameTime& time, const MovingPoint& aim, bool is_first);
+  /// The positions at a moment at which the link that is looked at, if there is one, is there. Calls go on
+  /// from the one before, and from `near` if this `is_first`.
+  const std::vector<double>& at(const FrameTime& time, const std::optional<MovingPoint>& aim, bool is_first);
   /// Their velocities (unit/s), after at().
-  [[nodiscard]] std::vector<double> velocities(const FrameTime& time, const MovingPoint& aim) const;
+  [[nodiscard]] std::vector<double> velocities(const FrameTime& time,
+                                               const std::optional<MovingPoint>& aim) const;
 
   [[nodiscard]] const SpaceRows& rows() const { return rows_; }
   [[nodiscard]] const Tip& tip() const { return tip_; }

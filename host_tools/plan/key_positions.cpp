@@ -130,7 +130,10 @@ std::optional<AxisUnit> unit_without_rig(const MoveTrack& track, std::size_t axi
 
 void settle_positions(MoveFile& move, const std::optional<RigFile>& rig) {
   for (MoveTrack& track : move.tracks) {
-    if (track.space) continue;  // read as metres
+    if (track.space) {  // read as metres
+      if (track.network) settle_left_out(track);
+      continue;
+    }
     for (std::size_t d = 0; d < track.axes.size(); ++d) {
       const RigAxis* rig_axis = nullptr;
       if (rig) rig_axis = &*std::ranges::find(rig->axes, track.axes[d], &RigAxis::name);

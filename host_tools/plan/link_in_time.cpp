@@ -13,13 +13,19 @@ namespace {
 
 /// Of the largest velocity or acceleration: a smaller step is rounding.
 constexpr double step_share = 1e-6;
+/// Of a position: what its rounding may make of it in a frame. What stands, or goes evenly, has no velocity
+/// or no acceleration of which a share could be taken.
+constexpr double rounding_share = 1e-9;
 
-bool steps_between_ends(const BoundedMove& bounded, std::int32_t frames) {
+bool steps_between_ends(const BoundedMove& bounded, const Track& track) {
+  const double rate = track.frame_rate().frames_per_second();
   return std::ranges::any_of(bounded.steps(), [&](const MoveStep& step) {
     const AxisPeaks& peaks = bounded.peaks()[step.axis];
-    const bool is_inside = step.frame > 0 && step.frame < frames;
-    return is_inside && (step.velocity > step_share * peaks.velocity.value ||
-                         step.acceleration > step_share * peaks.acceleration.value);
+    const double rounding =
+        rounding_share * std::max(std::fabs(peaks.lowest.value), std::fabs(peaks.highest.value));
+    const bool is_inside = step.frame > 0 && step.frame < track.frames();
+    return is_inside && (step.velocity > step_share * peaks.velocity.value + rounding * rate ||
+                         step.acceleration > step_share * peaks.acceleration.value + rounding * rate * rate);
   });
 }
 
@@ -28,7 +34,7 @@ bool steps_between_ends(const BoundedMove& bounded, std::int32_t frames) {
 TrackBounds bounds_of(const Track& track) {
   const std::span<const Track> alone(&track, 1);
   const BoundedMove bounded(value_or_throw(Move::make(alone, {})), alone);
-  TrackBounds bounds{.peaks = bounded.peaks(), .steps = steps_between_ends(bounded, track.frames())};
+  TrackBounds bounds{.peaks = bounded.peaks(), .steps = steps_between_ends(bounded, track)};
   for (const AxisPeaks& peak : bounds.peaks) {
     bounds.steps = bounds.steps || !std::isfinite(peak.jerk.value);
   }

@@ -7,9 +7,6 @@
 namespace inbetween {
 namespace {
 
-/// The axes of a key, or the place of the link in the world: x, y, z come first there.
-constexpr std::size_t world_coordinates = 3;
-
 bool goes_by_distance(const MoveTrack& track) {
   if (track.spline == Spline::linear) return false;
   if (track.space && !track.space->has_at) return false;
@@ -18,6 +15,7 @@ bool goes_by_distance(const MoveTrack& track) {
 
 double distance_between(const MoveTrack& track, const MoveKey& one, const MoveKey& other) {
   double squares = 0;
+  // Of a link the place in the world comes first.
   const std::size_t count = track.space ? world_coordinates : one.at.size();
   for (std::size_t d = 0; d < count; ++d) {
     const double weight = track.space || track.weights.empty() ? 1 : track.weights[d];

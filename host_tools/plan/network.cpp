@@ -119,11 +119,12 @@ std::optional<NetworkGap> Network::gap() const {
   return std::nullopt;
 }
 
-/// The mean of what is drawn at a place, so much of it.
-void Network::add_shares_at(double place, double weight, std::vector<Share>& shares) const {
+/// The mean of what is drawn at a place of the row of an axis, so much of it.
+void Network::add_shares_at(std::size_t axis, double place, double weight, std::vector<Share>& shares) const {
   const std::size_t first = shares.size();
   for (std::size_t i = 0; i < spec_.curves.size(); ++i) {
-    if (spec_.places[spec_.curves[i].axis] == place) shares.push_back({i, weight});
+    const NetworkCurve& curve = spec_.curves[i];
+    if (is_in_row_of(axis, curve) && spec_.places[curve.axis] == place) shares.push_back({i, weight});
   }
   for (Share& share : std::span(shares).subspan(first))
     share.weight /= static_cast<double>(shares.size() - first);
@@ -136,9 +137,10 @@ std::vector<Network::Share> Network::shares_of(std::size_t axis) const {
   double before = spec_.places.front();
   double behind = spec_.places.back();
   for (const NetworkCurve& curve : spec_.curves) {
+    if (!is_in_row_of(axis, curve)) continue;
     const double drawn = spec_.places[curve.axis];
     if (drawn == place) {
-      add_shares_at(place, 1, shares);
+      add_shares_at(axis, place, 1, shares);
       return shares;
     }
     if (drawn < place) before = drawn;
@@ -146,8 +148,8 @@ std::vector<Network::Share> Network::shares_of(std::size_t axis) const {
   }
   if (place == before || place == behind) return shares;
   const double share = (place - before) / (behind - before);
-  add_shares_at(before, 1 - share, shares);
-  add_shares_at(behind, share, shares);
+  add_shares_at(axis, before, 1 - share, shares);
+  add_shares_at(axis, behind, share, shares);
   return shares;
 }
 

@@ -28,6 +28,9 @@ struct NetworkSpec {
   std::span<const NetworkCurve> curves;      ///< in the order of the row, at most one for each axis
   bool rests_at_start = true;
   bool rests_at_end = true;
+  /// Networks beside each other that do not touch, as x, y and z of a row of points: axis i is in row
+  /// i % rows.
+  std::size_t rows = 1;
 };
 
 /// A row of smooth curves over frames, with memory of its own. Throws SolverError, whose key is the one that
@@ -117,7 +120,10 @@ class Network {
     double weight = 0;
   };
   [[nodiscard]] std::vector<Share> shares_of(std::size_t axis) const;
-  void add_shares_at(double place, double weight, std::vector<Share>& shares) const;
+  [[nodiscard]] bool is_in_row_of(std::size_t axis, const NetworkCurve& curve) const {
+    return curve.axis % spec_.rows == axis % spec_.rows;
+  }
+  void add_shares_at(std::size_t axis, double place, double weight, std::vector<Share>& shares) const;
   template <class Curve, class Keys>
   [[nodiscard]] std::vector<Cubic> row(const Curve& drawn_there, const Keys& keys_there) const;
   void rest_at_end(NetworkPath& path) const;

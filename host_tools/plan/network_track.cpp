@@ -18,8 +18,8 @@ namespace {
   const std::string frame =
       error.key < 0 ? "" : fmt::format(", frame {}", drawn.frames[std::min(point, drawn.frames.size() - 1)]);
   throw InputError(drawn.places[std::min(point, drawn.places.size() - 1)],
-                   fmt::format("the curve of axis {}{}: {}; {}", in_quotes(track.axes[drawn.axis]), frame,
-                               error.what, error.remedy));
+                   fmt::format("the curve of axis {}{}: {}; {}", in_quotes(coordinates_of(track)[drawn.axis]),
+                               frame, error.what, error.remedy));
 }
 
 [[noreturn]] void refuse_gap(const MoveTrack& track, const NetworkGap& gap) {
@@ -30,7 +30,7 @@ namespace {
       drawn.axis < key.at_places.size() ? key.at_places[drawn.axis] : key.place,
       fmt::format("frame {}: key {} has axis {} at {}, and its drawn curve is at {}, {:.3g} away; leave the "
                   "axis out of the key, or draw the curve through it",
-                  *key.frame, gap.key, in_quotes(track.axes[drawn.axis]), at_key, at_curve,
+                  *key.frame, gap.key, in_quotes(coordinates_of(track)[drawn.axis]), at_key, at_curve,
                   std::fabs(gap.at_key - gap.drawn)));
 }
 
@@ -58,13 +58,17 @@ NetworkPath network_of(const MoveTrack& track, const TrackSpec& spec) {
   const MoveNetwork& network = *track.network;
   std::vector<NetworkCurve> curves;
   for (const DrawnAxis& drawn : network.drawn) curves.push_back({drawn.axis, drawn.frames, drawn.at});
+  const std::size_t rows = is_row_of_points(track) ? world_coordinates : 1;
+  std::vector<double> places;  // of each coordinate
+  for (const double place : network.places) places.insert(places.end(), rows, place);
   try {
     const Network solved({.keys = spec.path.keys,
                           .key_frames = spec.key_frames,
-                          .places = network.places,
+                          .places = places,
                           .curves = curves,
                           .rests_at_start = spec.rests_at_start,
-                          .rests_at_end = spec.rests_at_end});
+                          .rests_at_end = spec.rests_at_end,
+                          .rows = rows});
     if (const auto gap = solved.gap()) refuse_gap(track, *gap);
     if (solved.segments() > max_network_segments) {
       throw InputError(network.place,

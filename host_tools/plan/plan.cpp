@@ -12,6 +12,7 @@
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/key_positions.hpp"
 #include "host_tools/plan/network_track.hpp"
+#include "host_tools/plan/row_of_points.hpp"
 #include "host_tools/plan/space_track.hpp"
 #include "host_tools/plan/unmet_lock.hpp"
 
@@ -243,12 +244,36 @@ FollowedPath follow(const MoveTrack& track, const TrackSpec& spec, const RigFile
   return tip_of_axes(track, drawn.path(), kinematics, rig);
 }
 
+/// The axes of a link are solved over time.
+SolvedTrack solved_over_time(const MoveTrack& track, const MoveFile& move, const TrackedPath& tracked) {
+  TrackSpec spec;
+  spec.cubics = CubicPathSpec{.spline = track.spline,
+                              .closed = false,
+                              .axis_count = static_cast<std::int32_t>(track.axes.size()),
+                              .key_count = static_cast<std::int32_t>(track.keys.size()),
+                              .cubics = tracked.path.cubics,
+                              .weights = tracked.path.weights,
+                              .knots = tracked.path.knots};
+  spec.key_frames = tracked.key_frames;
+  spec.kinetic = Kinetic::linear;
+  spec.frames = move.frames;
+  spec.fps = move.fps.rate;
+  SolvedTrack solved(spec, Solver::closed_form);
+  value_or_throw(check_invariants(solved.track(), solved.table()));
+  return solved;
+}
+
 SolvedTrack solve_track(const MoveTrack& track, const MoveFile& move, const std::optional<RigFile>& rig,
                         const PlanOptions& options, const SolvedTrack* same_keys,
                         std::optional<FollowAccuracy>& accuracy) {
   TrackNumbers numbers(track, move);
   try {
     std::optional<FollowedPath> followed;
+    if (is_row_of_points(track)) {
+      const TrackedPath tracked = axes_of_points(track, numbers.spec, *options.kinematics, *rig);
+      accuracy = tracked.path.accuracy;
+      return solved_over_time(track, move, tracked);
+    }
     if (track.space || track.distance) {
       refuse_curves_in_space(track);
       followed = follow(track, numbers.spec, *rig, *options.kinematics);
@@ -304,21 +329,7 @@ SolvedTrack solve_looking(const MoveTrack& track, const MoveFile& move, const Ri
     const SolvedTrack drawn(numbers.spec, Solver::closed_form);
     const TrackedPath tracked = axes_looking_at(track, drawn.track(), *options.kinematics, rig, driven);
     accuracy = tracked.path.accuracy;
-    TrackSpec spec;
-    spec.cubics = CubicPathSpec{.spline = track.spline,
-                                .closed = false,
-                                .axis_count = static_cast<std::int32_t>(track.axes.size()),
-                                .key_count = static_cast<std::int32_t>(track.keys.size()),
-                                .cubics = tracked.path.cubics,
-                                .weights = tracked.path.weights,
-                                .knots = tracked.path.knots};
-    spec.key_frames = tracked.key_frames;
-    spec.kinetic = Kinetic::linear;
-    spec.frames = move.frames;
-    spec.fps = move.fps.rate;
-    SolvedTrack solved(spec, Solver::closed_form);
-    value_or_throw(check_invariants(solved.track(), solved.table()));
-    return solved;
+    return solved_over_time(track, move, tracked);
   } catch (const SolverError& refused) {
     throw InputError(place_of(refused.error(), track), message_of(refused, track, move.frames));
   }
@@ -516,7 +527,7 @@ void Plan::list_tips() {
 }
 
 std::string Plan::length_unit(std::size_t track) const {
-  if (looks_at_link(move_.tracks[track])) return "";
+  if (looks_at_link(move_.tracks[track]) || is_row_of_points(move_.tracks[track])) return "";
   if (move_.tracks[track].space || move_.tracks[track].distance) return "m";
   const std::vector<double>& weights = move_.tracks[track].weights;
   std::optional<AxisUnit> unit;

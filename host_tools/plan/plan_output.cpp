@@ -30,7 +30,7 @@ void add_space(const MoveTrack& track, Fnv1a& hash) {
   if (track.distance) add_text(track.distance->tip, hash);
   if (!track.space) return;
   const MoveSpace& space = *track.space;
-  add_text(space.tip, hash);
+  for (const std::string& tip : space.tips) add_text(tip, hash);
   for (const bool flag : {space.has_at, space.has_aim, space.has_roll, space.elbow_up.has_value(),
                           space.elbow_up.value_or(false)}) {
     hash.add(static_cast<std::int32_t>(flag));
@@ -172,7 +172,7 @@ void write_network(const MoveTrack& track, JsonWriter& json) {
   json.object("network", [&] {
     json.member("places", track.network->places);
     json.objects("drawn", track.network->drawn, [&](const DrawnAxis& drawn) {
-      json.member("axis", track.axes[drawn.axis]);
+      json.member("axis", coordinates_of(track)[drawn.axis]);
       json.member("points", drawn.frames.size());
     });
   });
@@ -380,7 +380,11 @@ void print_followed(const Plan& plan, std::size_t track, std::string_view indent
   const std::optional<FollowAccuracy>& accuracy = plan.accuracy(track);
   if (!accuracy) return;
   const MoveTrack& written = plan.move().tracks[track];
-  const std::string& tip = written.space ? written.space->tip : written.distance->tip;
+  std::vector<std::string> tips;
+  if (written.distance) tips.push_back(in_quotes(written.distance->tip));
+  if (written.space) {
+    for (const std::string& tip : written.space->tips) tips.push_back(in_quotes(tip));
+  }
   std::vector<std::string> bounds;
   if (!written.space || written.space->has_at) {
     bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->way_m * 1e6));
@@ -390,7 +394,7 @@ void print_followed(const Plan& plan, std::size_t track, std::string_view indent
   if (accuracy->aim_rad > 0) {
     bounds.push_back(fmt::format("its aim within {:.2g} deg", accuracy->aim_rad * 180 / std::numbers::pi));
   }
-  fmt::print(out, "{}{} in space: {} (proven, between all of {} places)\n", indent, in_quotes(tip),
+  fmt::print(out, "{}{} in space: {} (proven, between all of {} places)\n", indent, fmt::join(tips, ", "),
              fmt::join(bounds, ", "), plan.tracks()[track].track().path().segment_count() + 1);
 }
 

@@ -95,7 +95,7 @@ void settle_aims(MoveFile& move, const Kinematics* kinematics, std::span<const A
 TrackedPath axes_looking_at(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
                             const RigFile& rig, std::vector<DrivenCoordinate> driven) {
   LinkInTime aim(kinematics, link_of(*track.space, kinematics), std::move(driven));
-  return tracked_path(track, drawn, aim, kinematics, rig);
+  return tracked_path(track, drawn, &aim, kinematics, rig);
 }
 
 std::vector<double> space_row(const MoveSpace& space, const MoveKey& key) {

@@ -16,7 +16,6 @@
 namespace inbetween {
 namespace {
 
-constexpr std::int32_t first_steps_per_frame = 2;
 constexpr std::int32_t max_steps_per_frame = 256;
 constexpr std::size_t max_time_steps = 200'000;
 /// A tenth of what a crane's aim may be off (0.01 deg), and half of what a speed may (1e-4).
@@ -72,13 +71,13 @@ std::vector<Cubic> spline_with_rests(SplineRun run, bool rests_first, bool rests
 
 class Tracking {
  public:
-  Tracking(const MoveTrack& track, const Track& drawn, LinkInTime& aim, const Kinematics& kinematics,
+  Tracking(const MoveTrack& track, const Track& drawn, LinkInTime* aim, const Kinematics& kinematics,
            const RigFile& rig)
       : track_(track),
         drawn_(drawn),
         aim_(aim),
         kinematics_(kinematics),
-        axes_(track, drawn, kinematics, rig, aim.at({0, 0}).position),
+        axes_(track, drawn, kinematics, rig, place_of(aim)),
         motion_(axes_.rows().count) {
     refuse_what_steps();
     const TrackBounds bounds = bounds_of(drawn);
@@ -91,7 +90,7 @@ class Tracking {
     find_key_frames();
   }
 
-  TrackedPath solve() {
+  TrackedPath solve(std::int32_t first_steps_per_frame) {
     for (per_frame_ = first_steps_per_frame; per_frame_ <= max_steps_per_frame; per_frame_ *= 2) {
       step_s_ = 1 / (per_frame_ * drawn_.frame_rate().frames_per_second());
       steps_ = static_cast<std::size_t>(drawn_.frames()) * static_cast<std::size_t>(per_frame_);
@@ -104,17 +103,32 @@ class Tracking {
         axes_.refuse_beyond_ranges(path, [&](std::size_t step, double t) {
           return drawn_.locate(time_of(static_cast<double>(step) + t));
         });
-        return {std::move(path), key_frames_};
+        return {std::move(path), key_frames_, per_frame_};
       }
     }
-    throw InputError(
-        track_.space->aim_place,
-        fmt::format("no {} steps of time are enough for the axes to follow {}; move it and the track more "
-                    "smoothly, lead it farther from the lens, or put more keys on the path",
-                    max_time_steps, in_quotes(*track_.space->aim_node)));
+    refuse_too_many_steps();
   }
 
  private:
+  static std::optional<Vector3> place_of(LinkInTime* aim) {
+    if (aim == nullptr) return std::nullopt;
+    return aim->at({0, 0}).position;
+  }
+  [[noreturn]] void refuse_too_many_steps() const {
+    const MoveSpace& space = *track_.space;
+    if (aim_ == nullptr) {
+      throw InputError(space.place,
+                       fmt::format("no {} steps of time are enough for the axes to follow {}; draw it more "
+                                   "smoothly, and away from where an axis has to turn at once",
+                                   max_time_steps, in_quotes(space.tips.front())));
+    }
+    throw InputError(
+        space.aim_place,
+        fmt::format("no {} steps of time are enough for the axes to follow {}; move it and the track more "
+                    "smoothly, lead it farther from the lens, or put more keys on the path",
+                    max_time_steps, in_quotes(*space.aim_node)));
+  }
+
   static double cube(double x) { return x * x * x; }
   [[nodiscard]] double drawn_way() const { return max_jerk_ * cube(step_s_) / 4; }
 
@@ -127,19 +141,27 @@ class Tracking {
   }
 
   void refuse_what_steps() const {
-    if (aim_.steps()) {
+    if (aim_ != nullptr && aim_->steps()) {
       throw InputError(
           track_.space->aim_place,
           fmt::format("the motion of {} steps in velocity or acceleration, which an aim cannot follow; "
                       R"(move it with spline = "smooth" and without break)",
                       in_quotes(*track_.space->aim_node)));
     }
-    if (!axes_.is_determined()) {
+    if (!axes_.is_determined()) refuse_free_axes();
+  }
+  [[noreturn]] void refuse_free_axes() const {
+    if (aim_ == nullptr) {
       throw InputError(
           track_.space->place,
-          "the keys leave some of the axes free, and where the link looks moves; give the keys at and "
-          "roll, or take the axes that are too many for them out of the rig's branch");
+          fmt::format("the place of {} leaves some of its axes free; give a point of a row as many "
+                      "axes as its place needs, three in space",
+                      in_quotes(track_.space->tips.front())));
     }
+    throw InputError(
+        track_.space->place,
+        "the keys leave some of the axes free, and where the link looks moves; give the keys at and "
+        "roll, or take the axes that are too many for them out of the rig's branch");
   }
   [[noreturn]] void refuse_steps() const {
     throw InputError(
@@ -151,6 +173,10 @@ class Tracking {
   void find_key_frames() {
     const std::size_t keys = track_.keys.size();
     for (std::size_t k = 0; k < keys; ++k) {
+      if (track_.keys[k].frame && aim_ == nullptr) {  // it is drawn over frames
+        key_frames_.push_back(*track_.keys[k].frame);
+        continue;
+      }
       const double frame = frame_of_place(drawn_, {static_cast<std::int32_t>(k), 0});
       key_frames_.push_back(k + 1 == keys ? drawn_.frames() : static_cast<std::int32_t>(std::lround(frame)));
       if (k == 0) key_frames_.back() = 0;
@@ -177,17 +203,19 @@ class Tracking {
     nearest_ = std::numeric_limits<double>::infinity();
     for (std::size_t step = 0; step <= steps_; ++step) {
       const FrameTime time = time_of(static_cast<double>(step));
-      const MovingPoint point = aim_.at(time);
+      std::optional<MovingPoint> point;
+      if (aim_ != nullptr) point = aim_->at(time);
       values_.push_back(axes_.at(time, point, step == 0));
       if (step == 0) first_slope_ = axes_.velocities(time, point);
       if (step == steps_) last_slope_ = axes_.velocities(time, point);
       drawn_.motion(time, motion_);
       places_.push_back(drawn_place());
-      aims_.push_back(point);
-      nearest_ = std::min(nearest_, length(point.position - places_.back().position));
+      if (!point) continue;
+      aims_.push_back(*point);
+      nearest_ = std::min(nearest_, length(point->position - places_.back().position));
     }
     // Between two steps both go half a step's way at most.
-    nearest_ -= (max_speed_ + aim_.max_speed()) * step_s_ / 2;
+    if (aim_ != nullptr) nearest_ -= (max_speed_ + aim_->max_speed()) * step_s_ / 2;
   }
   [[nodiscard]] MovingPoint drawn_place() const {
     const std::vector<std::size_t>& at = axes_.rows().at;
@@ -198,11 +226,14 @@ class Tracking {
   /// Nothing moves or is accelerated at that end of the move.
   [[nodiscard]] bool rests_at(std::int32_t frame) {
     drawn_.motion({frame, 0}, motion_);
-    const LinkMotion& link = aim_.motion({frame, 0});
     const Vector3 none{};
-    return std::ranges::all_of(motion_,
-                               [](const auto& row) { return row.velocity == 0 && row.acceleration == 0; }) &&
-           link.velocity == none && link.acceleration == none;
+    if (!std::ranges::all_of(motion_,
+                             [](const auto& row) { return row.velocity == 0 && row.acceleration == 0; })) {
+      return false;
+    }
+    if (aim_ == nullptr) return true;
+    const LinkMotion& link = aim_->motion({frame, 0});
+    return link.velocity == none && link.acceleration == none;
   }
 
   FollowedPath build() {
@@ -249,7 +280,8 @@ class Tracking {
       axes.reserve(rows.size());
       for (const std::vector<Cubic>& row : rows) axes.push_back(row[step]);
       const std::vector<Cubic> place = cubics_of(places_, step);
-      const std::vector<Cubic> aim = cubics_of(aims_, step);
+      std::vector<Cubic> aim;
+      if (aim_ != nullptr) aim = cubics_of(aims_, step);
       const TipDeviation found =
           tip_deviation(kinematics_, axes_.tip().link, {axes, axes_.coordinates(), place, aim});
       accuracy.way_m = std::max(accuracy.way_m, found.way);
@@ -260,7 +292,8 @@ class Tracking {
     speed += max_jerk_ * step_s_ * step_s_ / 4;
     accuracy.speed_share = max_speed_ > 0 ? speed / max_speed_ : 0;
     accuracy.is_share_of_fastest = true;
-    const double missed = aim_.max_jerk() * cube(step_s_) / 4;
+    if (aim_ == nullptr) return;
+    const double missed = aim_->max_jerk() * cube(step_s_) / 4;
     accuracy.aim_rad +=
         nearest_ > missed ? std::asin(missed / nearest_) : std::numeric_limits<double>::infinity();
   }
@@ -271,7 +304,7 @@ class Tracking {
 
   const MoveTrack& track_;
   const Track& drawn_;
-  LinkInTime& aim_;
+  LinkInTime* aim_;
   const Kinematics& kinematics_;
   AxesInSpace axes_;
   std::vector<AxisMotion> motion_;  // of the drawn rows, at a moment
@@ -290,9 +323,10 @@ class Tracking {
 
 }  // namespace
 
-TrackedPath tracked_path(const MoveTrack& track, const Track& drawn, LinkInTime& aim,
-                         const Kinematics& kinematics, const RigFile& rig) {
-  return Tracking(track, drawn, aim, kinematics, rig).solve();
+TrackedPath tracked_path(const MoveTrack& track, const Track& drawn, LinkInTime* aim,
+                         const Kinematics& kinematics, const RigFile& rig,
+                         std::int32_t first_steps_per_frame) {
+  return Tracking(track, drawn, aim, kinematics, rig).solve(first_steps_per_frame);
 }
 
 }  // namespace inbetween

@@ -575,7 +575,7 @@ test("a change is saved by itself, and undo reaches back over it", async () => {
 test("other kinds of move open with the hash of the command line", async () => {
   for (const [move, rig] of [["nod.toml", "puppet_head.toml"], ["turntable.toml", "turntable_rig.toml"],
     ["track_and_focus.toml", null], ["jaw.toml", null], ["crane/over_the_table.toml", "crane/rig.toml"],
-    ["marionette/walk.toml", "marionette/rig.toml"], ["storyboard.toml", "camera_rig.toml"]]) {
+    ["marionette/walk.toml", "marionette/rig.toml"], ["brow/raise.toml", "brow/rig.toml"], ["storyboard.toml", "camera_rig.toml"]]) {
     const editor = await edit(move, rig);
     assert.equal(await editor.shown(), editor.planned(), move);
     assert.deepEqual(editor.complaints, [], move);

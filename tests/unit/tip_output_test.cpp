@@ -100,7 +100,7 @@ TEST(TipOutput, EveryArticulatedExampleIsPlannedAndKeepsItsLimits) {
   for (const auto& [folder, move, tips] :
        {std::tuple("crane", "over_the_table", 1U), std::tuple("arm", "reach_over", 1U),
         std::tuple("marionette", "walk", 4U), std::tuple("orrery", "one_year", 4U),
-        std::tuple("logo", "fly_in", 5U)}) {
+        std::tuple("logo", "fly_in", 5U), std::tuple("brow", "raise", 3U)}) {
     const std::string path = in_checkout(fmt::format("examples/{}/{}.toml", folder, move));
     const std::string rig = in_checkout(fmt::format("examples/{}/rig.toml", folder));
     const ProgramRun planned = run_program({"plan", path, "--rig", rig, "--json", "-"});

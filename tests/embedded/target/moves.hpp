@@ -39,6 +39,8 @@ struct Move {
   bool overshoot = true;
   std::span<const std::int32_t> overlap_frames = {};  ///< straight ways over frames
   std::span<const double> path_tolerances = {};       ///< a straight path
+  std::span<const Cubic> cubics = {};                 ///< curves over frames, in place of keys
+  std::span<const FrameKnot> knots = {};              ///< of them
   std::int32_t frames = 24;
   FrameRate fps{24, 1};
   std::int32_t rate_hz = 100;
@@ -107,6 +109,18 @@ inline constexpr std::array<KeyLock, 2> loop_locks{{{.key = 0, .ease = true}, {.
 /// A line that comes back: with a touch at the turn.
 inline constexpr std::array nodding_keys{0.0, 30.0, -15.0, 5.0};
 inline constexpr std::array nodding_speed{0.0, 0.0, 6.0, 9.0, 7.0, 8.0, 5.0, 0.0, 0.0};
+/// Curves over frames that are solved already, as a network is: two axes, three segments, two of them before
+/// the second of three keys.
+inline constexpr std::array<Cubic, 6> network_cubics{{{0.0, 0.0, 0.0, 1.0},
+                                                      {100.0, 0.0, 0.0, -2.0},
+                                                      {1.0, 3.0, 3.0, -2.0},
+                                                      {98.0, -6.0, -6.0, 4.0},
+                                                      {5.0, 12.0, -48.0, 20.0},
+                                                      {90.0, -24.0, 96.0, -40.5}}};
+inline constexpr std::array<FrameKnot, 3> network_knots{{{.key = 0, .part = 0, .parts = 32, .length = 16},
+                                                         {.key = 0, .part = 16, .parts = 32, .length = 16},
+                                                         {.key = 1, .part = 0, .parts = 64, .length = 64}}};
+inline constexpr std::array<std::int32_t, 3> network_frames{0, 8, 24};
 /// The values of a pace, which a host has found, as a drawn speed.
 inline constexpr std::array pace_speed{0.0, 0.0,  1.25, 4.75, 11.5,  21.0, 30.25, 33.5, 24.0,
                                        9.5, 3.75, 8.0,  19.5, 22.25, 12.0, 3.0,   0.0,  0.0};
@@ -257,6 +271,11 @@ inline constexpr std::array moves{
          .speed = data::nodding_speed,
          .path_tolerances = data::tolerances,
          .frames = 72},
+    Move{.name = "network",
+         .axis_count = 2,
+         .key_frames = data::network_frames,
+         .cubics = data::network_cubics,
+         .knots = data::network_knots},
     Move{.name = "pace", .axis_count = 2, .keys = data::timed_keys, .speed = data::pace_speed, .frames = 72},
 };
 

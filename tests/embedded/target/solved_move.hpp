@@ -13,20 +13,8 @@ namespace inbetween::embedded {
 class SolvedMove {
  public:
   Result<Track> solve(const Move& move) {
-    const auto path = Path::make({.spline = move.spline,
-                                  .closed = move.closed,
-                                  .axis_count = move.axis_count,
-                                  .keys = move.keys,
-                                  .lap = move.lap,
-                                  .weights = move.weights,
-                                  .shapes = move.shapes,
-                                  .overshoot = move.overshoot,
-                                  .key_frames = is_curves(move) ? move.key_frames : none,
-                                  .rests_at_start = move.rests,
-                                  .rests_at_end = move.rests,
-                                  .overlap_frames = move.overlap_frames,
-                                  .path_tolerances = move.path_tolerances},
-                                 {storage_.path.cubics, storage_.path.weights, knots_});
+    const PathMemory memory{storage_.path.cubics, storage_.path.weights, knots_};
+    const auto path = move.cubics.empty() ? path_through_keys(move, memory) : path_of_cubics(move, memory);
     if (!path) return path.error();
     const auto arc_length = ArcLength::make(*path, {}, storage_.arc_length.memory());
     if (!arc_length) return arc_length.error();
@@ -44,6 +32,35 @@ class SolvedMove {
 
  private:
   static constexpr std::span<const std::int32_t> none{};
+  static constexpr std::array<double, max_axes> plain_weights{1, 1, 1};
+
+  static Result<Path> path_through_keys(const Move& move, const PathMemory& memory) {
+    return Path::make({.spline = move.spline,
+                       .closed = move.closed,
+                       .axis_count = move.axis_count,
+                       .keys = move.keys,
+                       .lap = move.lap,
+                       .weights = move.weights,
+                       .shapes = move.shapes,
+                       .overshoot = move.overshoot,
+                       .key_frames = is_curves(move) ? move.key_frames : none,
+                       .rests_at_start = move.rests,
+                       .rests_at_end = move.rests,
+                       .overlap_frames = move.overlap_frames,
+                       .path_tolerances = move.path_tolerances},
+                      memory);
+  }
+  static Result<Path> path_of_cubics(const Move& move, const PathMemory& memory) {
+    return Path::make_of_cubics(
+        {.spline = move.spline,
+         .axis_count = move.axis_count,
+         .key_count = static_cast<std::int32_t>(move.key_frames.size()),
+         .cubics = move.cubics,
+         .weights = std::span(plain_weights).first(static_cast<std::size_t>(move.axis_count)),
+         .knots = move.knots,
+         .over_frames = true},
+        memory);
+  }
 
   [[nodiscard]] static bool is_curves(const Move& move) { return move.kinetic == Kinetic::curves; }
   /// The drawn speed, or what its locked keys make of it.
