@@ -425,6 +425,38 @@ test("limits that are exceeded are red, and fit and fewest frames cure them", as
   await editor.end();
 });
 
+/** Whether two boxes have a pixel in common. */
+const meet = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+
+for (const [width, height] of [[1600, 900], [1280, 720], [390, 844]]) {
+  test(`what is said covers nothing, no label lies over another, and every button can be reached, at ${width} pixels`, async () => {
+    const editor = await edit("reveal.toml", "camera_rig.toml", { viewport: { width, height } });
+    const { page } = editor;
+    await page.locator("#frames").fill("4");
+    await page.keyboard.press("Enter");
+    await page.keyboard.press("Control+s");
+    await editor.saved();
+    const box = (selector) => page.locator(selector).boundingBox();
+    const said = await box("#said");
+    assert.ok(said.y + said.height <= height && said.height > 20);
+    assert.ok(!meet(said, await box("main")), "a line of its own");
+    const words = page.locator("#speed .over-text");
+    assert.match(await words.textContent(), /slide: velocity is 42 times what is allowed at frame 2/);
+    assert.ok(!meet(await words.boundingBox(), await box("#speed .plot")), "beside the curve");
+    for (const part of ["path", "side", "speed", "time", "preview"]) {
+      const around = await box(`#${part}`);
+      for (const control of await page.locator(`#${part} :is(button, select, input):visible`).all()) {
+        const { x, width: wide } = await control.boundingBox();
+        assert.ok(x >= around.x && x + wide <= around.x + around.width, `${part}: ${await control.getAttribute("aria-label")}`);
+      }
+    }
+    assert.ok((await box("#plan")).width > 250, "there is room for the path");
+    await editor.picture(`at_${width}`);
+    assert.deepEqual(editor.complaints, []);
+    await editor.end();
+  });
+}
+
 test("the preview plays in true time, backward, in a loop, to and fro, by steps, and is scrubbed", async () => {
   const editor = await reveal();
   const { page } = editor;

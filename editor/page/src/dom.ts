@@ -48,6 +48,7 @@ let sayTimer = 0;
 export function say(text: string, isError = false): void {
   const place = byId("said");
   place.textContent = text;
+  place.title = text; // where the line is too short for it
   place.classList.toggle("error", isError);
   place.classList.add("shown");
   clearTimeout(sayTimer);

@@ -114,13 +114,14 @@ function sideSection(store: Store): void {
 
 function speedSection(store: Store): void {
   const place = html("div", { class: "fill" });
+  const overText = html("span", { class: "over-text bad" });
   const many = (by: number) => (): void => {
     const { track, values } = store.selection;
     if (values.size === 0) return say("Select control values first; drag a frame around them.");
     store.edit(setValues(store.move, track, (value, i) => (values.has(i) ? value + by : value)));
   };
   byId("speed").append(
-    html("div", { class: "head" }, html("h2", {}, "Speed curve"),
+    html("div", { class: "head" }, html("h2", {}, "Speed curve"), overText,
       html("small", { class: "hint" }, "drag a square up for faster, down for slower"), html("span", { class: "spring" }),
       button("Insert", "Insert a control value behind the selected one (I; or double-click the curve)", () => {
         const { values } = store.selection;
@@ -131,7 +132,7 @@ function speedSection(store: Store): void {
       button("Lower", "Lower the selected control values (Down)", many(-1), "lower"),
       button("Raise", "Raise the selected control values (Up)", many(1), "raise")),
     place);
-  new SpeedView(store, place);
+  new SpeedView(store, place, overText);
 }
 
 let listening: AbortController | null = null; // of the move that is shown

@@ -14,7 +14,6 @@ export class SpeedView {
   private readonly strokes = new Strokes();
   private readonly red = svg("path", { class: "over", "aria-hidden": "true" });
   private readonly polygon = svg("polyline", { class: "polygon", "aria-hidden": "true" });
-  private readonly overText = svg("text", { class: "over-text", "text-anchor": "middle" });
   private readonly cursor = svg("line", { class: "cursor", "aria-hidden": "true" });
   private readonly handles = svg("g", { role: "group", "aria-label": "Control values" });
   private readonly band = svg("rect", { class: "band", hidden: true });
@@ -24,8 +23,9 @@ export class SpeedView {
   private held = false;
   private isPressing = false;
 
-  constructor(private readonly store: Store, place: HTMLElement) {
-    this.root.append(this.red, this.polygon, this.overText, this.cursor, this.band, this.handles);
+  /** `overText` says what is too high: beside the curve, where it is written over nothing. */
+  constructor(private readonly store: Store, place: HTMLElement, private readonly overText: HTMLElement) {
+    this.root.append(this.red, this.polygon, this.cursor, this.band, this.handles);
     place.append(this.strokes.element, this.root);
     this.size = watchSize(place, () => this.draw());
     store.onChange(() => this.draw());
@@ -120,10 +120,10 @@ export class SpeedView {
     }
     this.strokes.stroke("ceiling", 1.3, [7, 3]);
     attributes(this.red, { d: over });
-    const shown = worst.axis >= 0;
-    attributes(this.overText, { x: Math.min(Math.max(this.x(worst.share), 150), this.size.width - 150), y: margin.top + 12 });
-    const words = shown ? `${movedOf(this.store.move)[worst.axis].name}: ${quantities[worst.quantity]} ${percentOver(worst)} % too high` : "";
+    const words = worst.axis < 0 ? "" : `${movedOf(this.store.move)[worst.axis].name}: ${quantities[worst.quantity]} ${
+      overInWords(worst)} at frame ${Math.round(worst.share * this.store.move.frames)}`;
     if (this.overText.textContent !== words) this.overText.textContent = words;
+    attributes(this.overText, { title: words });
   }
 
   private drawGrid(unit: number): void {
@@ -303,7 +303,9 @@ export class SpeedView {
 }
 
 /** By how much the quantity itself is too high: velocity goes with the rate, acceleration with its square ... */
-function percentOver(worst: { rate: number; quantity: number }): string {
-  const over = (worst.rate ** -(worst.quantity + 1) - 1) * 100;
-  return over < 10 ? over.toFixed(1) : over.toFixed(0);
+function overInWords(worst: { rate: number; quantity: number }): string {
+  const times = worst.rate ** -(worst.quantity + 1);
+  const percent = (times - 1) * 100;
+  if (percent >= 1000) return `is ${Number(times.toPrecision(2))} times what is allowed`;
+  return `${percent.toFixed(percent < 10 ? 1 : 0)} % too high`;
 }
