@@ -28,6 +28,8 @@ std::optional<EditRefusal> refusal_of(const EditKnock& knock, int port, std::str
       knock.origin && knock.origin->starts_with(scheme) && is_ours(knock.origin->substr(scheme.size()), port);
   if (knock.origin && !is_own_origin) return EditRefusal{403, "that page is not this server's"};
   const bool is_post = knock.method == "POST";
+  if (knock.encoding || (is_post && !knock.length))
+    return EditRefusal{411, "a request says in Content-Length how long it is, and is sent in one piece"};
   if (!is_post && knock.method != "GET") return EditRefusal{405, "only GET and POST are known"};
   if (!knock.path.starts_with("/api/")) {
     if (is_post) return EditRefusal{405, "the files of the page are only read"};

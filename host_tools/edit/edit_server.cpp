@@ -138,7 +138,9 @@ class EditServer::Door {
                                      .host = header("Host"),
                                      .origin = header("Origin"),
                                      .token = header("X-Inbetween-Token"),
-                                     .type = header("Content-Type")},
+                                     .type = header("Content-Type"),
+                                     .length = header("Content-Length"),
+                                     .encoding = header("Transfer-Encoding")},
                                     port_, token_);
     return refusal ? refused(refusal->status, refusal->why) : Outcome::Unhandled;
   }

@@ -18,7 +18,8 @@ namespace inbetween {
 /// comes from, in Origin; whoever asks for more than the files of the page must send the token
 /// in X-Inbetween-Token. Only POST changes anything, and a POST has Origin and the type application/json.
 /// Everything else is refused before its body is read: 403 for a wrong Host, Origin or token, 405 for another
-/// method, 415 for another type, 404 for another path, 413 for more than max_request_bytes. A client that
+/// method, 415 for another type, 404 for another path, 411 for a body whose length is not said, 413 for more
+/// than max_request_bytes. A client that
 /// says nothing for Patience::silence is left, and so is one whose request takes longer than Patience::total
 /// to come, or its answer to go; a connection carries one request; max_connections are served at a time, and
 /// the others wait. Nothing here moves a rig.

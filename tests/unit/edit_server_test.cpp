@@ -203,6 +203,21 @@ TEST_F(EditServerTest, WhatIsNoRequestIsRefused) {
   expect_untouched();
 }
 
+// A body in chunks, or without a length, would be read until it ends, however long it is.
+TEST_F(EditServerTest, ABodyWhoseLengthIsNotSaidIsRefusedBeforeItIsRead) {
+  const auto answer_to = [&](const std::string& line, const std::string& headers) {
+    const Client client(server_.port());
+    client.send(line + " HTTP/1.1\r\nHost: " + own() + "\r\n" + page_headers() + headers + "\r\n2\r\n{}\r\n");
+    return client.receive();  // although the last chunk never comes
+  };
+  for (const char* headers : {"Transfer-Encoding: chunked\r\n", "transfer-encoding: gzip, chunked\r\n",
+                              "Transfer-Encoding: chunked\r\nContent-Length: 2\r\n", ""}) {
+    EXPECT_THAT(answer_to("POST /api/save", headers), HasSubstr("HTTP/1.1 411 ")) << headers;
+  }
+  EXPECT_THAT(answer_to("GET /api/move", "Transfer-Encoding: chunked\r\n"), HasSubstr("HTTP/1.1 411 "));
+  expect_untouched();
+}
+
 TEST_F(EditServerTest, NoPathLeadsOutOfThePage) {
   for (const char* path : {"/../m.toml", "/..%2fm.toml", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd",
                            "/m.toml", "/index.html/../m.toml", "/index.html%00", "/api/../m.toml"}) {
