@@ -24,6 +24,7 @@
 #include "host_tools/edit/edit_session.hpp"
 #include "host_tools/edit/folder_files.hpp"
 #include "host_tools/edit/kept_address.hpp"
+#include "host_tools/edit/launch_page.hpp"
 #include "host_tools/edit/page_files.hpp"
 #include "host_tools/files/state_folder.hpp"
 
@@ -41,15 +42,24 @@ fs::path page_folder() {
       "then cmake --build --preset demo --target inbetween_editor_page");
 }
 
-/// Asks the desktop to open an address; nothing happens where there is none.
-void open_browser(const std::string& address) {
-  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+/// Asks the desktop to open an address; nothing happens where there is none. What is returned has to stay as
+/// long as a browser may read it.
+std::unique_ptr<LaunchPage> open_browser(const std::string& address) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return nullptr;
+  std::unique_ptr<LaunchPage> page;
+  try {
+    page = std::make_unique<LaunchPage>(address);
+  } catch (const std::exception& error) {
+    fmt::print("open the address yourself: {}\n", error.what());
+    return nullptr;
+  }
   std::string program = "xdg-open";
-  std::string argument = address;
+  std::string argument = page->path();
   const std::array<char*, 3> words{program.data(), argument.data(), nullptr};
   pid_t child = 0;
-  if (::posix_spawnp(&child, program.c_str(), nullptr, nullptr, words.data(), environ) != 0) return;
+  if (::posix_spawnp(&child, program.c_str(), nullptr, nullptr, words.data(), environ) != 0) return nullptr;
   std::thread([child] { ::waitpid(child, nullptr, 0); }).detach();
+  return page;
 }
 
 /// Stops the server at Ctrl-C and at SIGTERM. The signals are blocked in every thread but taken by this one.
@@ -146,7 +156,8 @@ int edit_command(const EditArguments& arguments) {
   const StopAtSignal stop(server);
   fmt::print("editing {} at {}\nCtrl-C ends it.\n", arguments.move, server.address());
   std::fflush(stdout);
-  if (!arguments.no_browser) open_browser(server.address());
+  const std::unique_ptr<LaunchPage> launched =
+      arguments.no_browser ? nullptr : open_browser(server.address());
   server.run();
   return 0;
 }

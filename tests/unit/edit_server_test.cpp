@@ -22,6 +22,8 @@
 #include <vector>
 
 #include "host_tools/edit/kept_address.hpp"
+#include "host_tools/edit/launch_page.hpp"
+#include "tests/support/run_program.hpp"
 #include "tests/support/simulated_disk.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -340,6 +342,20 @@ TEST(KeptAddress, IsTheSameAtEveryLaunchAndOnlyForItsMoveAndItsOwner) {
   EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms{0600});
   std::ofstream(file) << "{\"move\":";
   EXPECT_NE(KeptAddress(state, "/moves/a.toml").key(), after);
+}
+
+TEST(LaunchPage, OnlyItsOwnerReadsTheAddressAndItGoesWithTheProgram) {
+  const std::string address = "http://127.0.0.1:4000/#0123456789abcdef";
+  std::filesystem::path file;
+  {
+    const LaunchPage page(address);
+    file = page.path();
+    EXPECT_THAT(file_contents(file.string()), HasSubstr("content=\"0;url=" + address + "\""));
+    EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms{0600});
+    EXPECT_EQ(std::filesystem::status(file.parent_path()).permissions(), std::filesystem::perms{0700});
+    EXPECT_NE(LaunchPage(address).path(), page.path());
+  }
+  EXPECT_FALSE(std::filesystem::exists(file.parent_path()));
 }
 
 TEST(KeptAddress, WhereNothingCanBeKeptIsSaid) {
