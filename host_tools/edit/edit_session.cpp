@@ -170,41 +170,25 @@ std::string EditSession::keep_copy(const std::string& text, const char* what) co
     const int error = files_.read(name, max_file_bytes, there);
     if (error == 0 && there == text) return name;
     if (error != ENOENT) continue;
-    refuse_if(replace_durably(files_, name, text));
+    const FileFailure failure = replace_expected(files_, name, std::nullopt, text);
+    if (failure.error == ESTALE) continue;
+    refuse_if(failure);
     return name;
   }
   throw Refused{500, fmt::format("there are {} copies beside {} already; remove some", max_copies, name_)};
 }
 
-/// Puts `text` into the place of `there`, which is nothing or what the file had when it was read. Returns
-/// where that is kept which somebody else has written in between.
-std::optional<std::string> EditSession::replace(const std::optional<std::string>& there,
-                                                const std::string& text) const {
-  const std::string part = name_ + ".part";
+/// Puts `text` into the place of `there`, which is nothing or what the file had when it was read.
+void EditSession::replace(const std::optional<std::string>& there, const std::string& text) const {
   std::string left;
   // An interrupted save may have left the only copy of an outside version there.
-  if (files_.read(part, max_file_bytes, left) == 0 && !left.empty() && left != text && left != there)
+  if (files_.read(part_of(name_), max_file_bytes, left) == 0 && !left.empty() && left != text &&
+      left != there)
     (void)keep_copy(left, "interrupted");
-
-  // A program that renames its own file into this place at the same moment would win over a comparison made
-  // before; the names are therefore swapped, and what is swapped out is compared.
-  const FileFailure failure = exchange_durably(files_, name_, text);
-  const bool cannot_swap = failure.error == EINVAL;
-  if (failure.error == ENOENT || cannot_swap) {
-    if (read() != there) throw Refused{409, fmt::format("{} has been changed outside the editor", name_)};
-    refuse_if(replace_durably(files_, name_, text));
-    return std::nullopt;
-  }
+  const FileFailure failure = replace_expected(files_, name_, there, text);
+  if (failure.error == ESTALE)
+    throw Refused{409, fmt::format("{} has been changed outside the editor", name_)};
   refuse_if(failure);
-  std::string displaced;
-  if (const int error = files_.read(part, max_file_bytes, displaced)) {
-    throw Refused{500, fmt::format("{} is saved; what was there before is {}, which cannot be read: {}",
-                                   name_, part, reason_of(error))};
-  }
-  std::optional<std::string> kept;
-  if (displaced != there) kept = keep_copy(displaced, "outside");
-  files_.remove(part);  // where this fails, the next save finds it
-  return kept;
 }
 
 EditAnswer EditSession::save(const EditRequest& request) {
@@ -221,7 +205,7 @@ EditAnswer EditSession::save(const EditRequest& request) {
                                   {"revision", revision}}
                        .dump()};
     if (there && !request.own && there != request.base) answer["kept"] = keep_copy(*there, "outside");
-    if (const auto kept = replace(there, text)) answer["kept"] = *kept;
+    replace(there, text);
     return {200, answer.dump()};
   });
 }

@@ -48,8 +48,9 @@ class EditSession {
   EditAnswer text(const EditRequest& request);
   /// Writes the edits into the file, durably, and answers {"revision", "kept"}. It answers 422 where they
   /// make a move that cannot be solved, and 409 with the revision that is there where it is not the one that
-  /// the request expects; then it writes nothing. What is replaced and is not the page's own is kept beside
-  /// the file, in the one that "kept" names, whatever it is.
+  /// the request expects, also where it comes in the very moment (replace_expected); then it writes nothing.
+  /// What is replaced and is not the page's own is kept beside the file, in the one that "kept" names,
+  /// whatever it is.
   EditAnswer save(const EditRequest& request);
   /// Writes the edits into a new file beside the move's, and answers {"kept": its name}; null where the file
   /// has that text.
@@ -63,8 +64,7 @@ class EditSession {
   [[nodiscard]] Plan plan_of(const std::string& text) const;
   [[nodiscard]] EditAnswer document(const std::string& text, bool with_text = false) const;
   [[nodiscard]] std::string keep_copy(const std::string& text, const char* what) const;
-  [[nodiscard]] std::optional<std::string> replace(const std::optional<std::string>& there,
-                                                   const std::string& text) const;
+  void replace(const std::optional<std::string>& there, const std::string& text) const;
 
   std::mutex writing_;
   FileLayer files_;

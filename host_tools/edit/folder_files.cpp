@@ -73,7 +73,17 @@ FileLayer files_beneath(const std::string& folder) {
     return error;
   };
   files.create = [opened](const std::string& name, int& descriptor) {
-    return opened->open(name, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0644, descriptor);
+    return opened->open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW, 0644, descriptor);
+  };
+  files.may_write = [opened](const std::string& name) {
+    return is_plain(name) ? may_write_at(opened->descriptor(), name.c_str()) : EXDEV;
+  };
+  files.being_written = [opened](const std::string& name) {
+    int descriptor = -1;
+    if (const int error = opened->open(name, O_RDONLY | O_NONBLOCK, 0, descriptor)) return error;
+    const int error = being_written(descriptor);
+    ::close(descriptor);
+    return error;
   };
   files.inherit = [opened](const std::string& name, int descriptor) {
     struct stat status = {};
@@ -84,6 +94,11 @@ FileLayer files_beneath(const std::string& folder) {
   files.rename = [opened](const std::string& from, const std::string& to) {
     if (!is_plain(from) || !is_plain(to)) return EXDEV;
     return errno_of(::renameat(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str()));
+  };
+  files.rename_new = [opened](const std::string& from, const std::string& to) {
+    if (!is_plain(from) || !is_plain(to)) return EXDEV;
+    return errno_of(
+        ::renameat2(opened->descriptor(), from.c_str(), opened->descriptor(), to.c_str(), RENAME_NOREPLACE));
   };
   files.swap = [opened](const std::string& one, const std::string& other) {
     if (!is_plain(one) || !is_plain(other)) return EXDEV;

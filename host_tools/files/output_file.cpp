@@ -12,6 +12,8 @@
 #include <system_error>
 #include <vector>
 
+#include "host_tools/files/file_layer.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -51,6 +53,20 @@ fs::path behind_links(fs::path file) {
     file = file.parent_path() / fs::read_symlink(file, error);
   }
   return file;
+}
+
+void refuse_write_protected(const std::string& name) {
+  errno = may_write_at(AT_FDCWD, name.c_str());
+  if (errno != 0) fail(name, "is write-protected", "chmod u+w lets it be written, or choose another file");
+}
+
+/// A new file beside `target`, and its name: nobody else's is emptied.
+std::FILE* create_beside(const fs::path& target, std::string& name) {
+  for (int number = 1;; ++number) {
+    name = fmt::format("{}.{}-{}.part", target.string(), ::getpid(), number);
+    std::FILE* const file = std::fopen(name.c_str(), "wbx");
+    if (file != nullptr || errno != EEXIST) return file;
+  }
 }
 
 bool fill(std::FILE* file, const std::function<void(std::FILE*)>& write) {
@@ -99,8 +115,9 @@ void write_output(const std::string& name, const std::function<void(std::FILE*)>
     return;
   }
   const fs::path target = behind_links(name);
-  const std::string written = fmt::format("{}.{}.part", target.string(), ::getpid());
-  std::unique_ptr<std::FILE, CloseFile> file(std::fopen(written.c_str(), "wb"));
+  refuse_write_protected(target.string());
+  std::string written;
+  std::unique_ptr<std::FILE, CloseFile> file(create_beside(target, written));
   if (!file) fail(name, "cannot be written", choose_a_folder);
   Discard unless_kept{written};
   if (!fill(file.get(), write) || std::fclose(file.release()) != 0) {
@@ -124,6 +141,7 @@ void check_output(const std::string& name) {
     if (fs::is_fifo(name, error)) hold_open(name);
     return;
   }
+  refuse_write_protected(name);
   const fs::path folder = behind_links(name).parent_path();
   if (::access(folder.empty() ? "." : folder.c_str(), W_OK | X_OK) != 0) {
     fail(name, "cannot be written", choose_a_folder);

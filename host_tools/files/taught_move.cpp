@@ -142,7 +142,9 @@ void TaughtMove::refuse_changed_file() {
 }
 
 void TaughtMove::write(const std::string& text) {
-  if (const FileFailure failure = replace_durably(files_, target_, text)) {
+  const FileFailure failure = replace_expected(files_, target_, text_, text);
+  if (failure.error == ESTALE) refuse_changed_file();
+  if (failure) {
     throw NotTaught{fmt::format("{} {}: {}", failure.path, failure.what, message_of(failure.error))};
   }
 }

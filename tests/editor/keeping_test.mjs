@@ -278,15 +278,15 @@ test("a full disk is said in a line, the file stays whole, and the edits stay on
   await raise(page, 4);
   limitFiles(editor, 100);
   await page.keyboard.press("Control+s");
-  await noticed(page, "save", "Not saved: reveal.toml.part could not be written completely");
+  await noticed(page, "save", "Not saved: reveal.toml.inbetween-part could not be written completely");
   assert.equal(editor.read(), editor.first);
-  assert.ok(!existsSync(`${editor.path}.part`));
+  assert.ok(!existsSync(`${editor.path}.inbetween-part`));
   await editor.picture("full_disk");
   const outside = `# from elsewhere\n${editor.first}`;
   writeFileSync(editor.path, outside);
   await page.waitForSelector("dialog[open]");
   await page.locator("#save-mine").click();
-  await noticed(page, "save", "Not saved: reveal.outside-1.toml.part could not be written completely");
+  await noticed(page, "save", "Not saved: reveal.outside-1.toml.inbetween-part could not be written completely");
   assert.equal(editor.read(), outside, "nothing is replaced that could not be kept");
   limitFiles(editor, "unlimited");
   await page.keyboard.press("Control+s");

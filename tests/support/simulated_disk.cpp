@@ -41,18 +41,15 @@ FileLayer SimulatedDisk::layer() {
   };
   layer.create = [this](const std::string& path, int& descriptor) {
     if (const int error = step()) return error;
-    auto found = now_.find(path);
-    if (found == now_.end()) {
-      changes_.push_back({"", {{path, files_.size()}}});
-      files_.emplace_back();
-      found = now_.emplace(path, files_.size() - 1).first;
-    }
-    File& file = files_[found->second];
-    file.now.clear();
-    file.synced = file.safe.empty();
-    descriptor = static_cast<int>(found->second);
+    if (now_.contains(path)) return EEXIST;
+    descriptor = static_cast<int>(files_.size());
+    changes_.push_back({"", {{path, files_.size()}}});
+    apply(changes_.back(), now_);
+    files_.emplace_back();
     return 0;
   };
+  layer.may_write = [](const std::string& /*path*/) { return 0; };
+  layer.being_written = [](const std::string& /*path*/) { return 0; };
   layer.inherit = [this](const std::string& /*path*/, int /*descriptor*/) { return step(); };
   layer.write = [this](int descriptor, std::string_view bytes, std::size_t& written) {
     File& file = files_.at(static_cast<std::size_t>(descriptor));
@@ -80,6 +77,9 @@ FileLayer SimulatedDisk::layer() {
     changes_.push_back({from, {{to, found->second}}});
     apply(changes_.back(), now_);
     return 0;
+  };
+  layer.rename_new = [this, rename = layer.rename](const std::string& from, const std::string& to) {
+    return now_.contains(to) ? EEXIST : rename(from, to);
   };
   layer.swap = [this](const std::string& one, const std::string& other) {
     if (const int error = step()) return error;

@@ -175,26 +175,59 @@ TEST(EditSession, AnOutsideVersionThatIsNoMoveIsKeptToo) {
   EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}, {"m.outside-1.toml", broken}}));
 }
 
-TEST(EditSession, WhatIsWrittenInTheMomentOfTheSaveIsKept) {
+/// As another program does it: a file of its own, and then the name.
+void write_as_another(SimulatedDisk& disk, const std::string& text) {
+  const FileLayer theirs = disk.layer();
+  int descriptor = -1;
+  std::size_t written = 0;
+  theirs.create("theirs", descriptor);
+  theirs.write(descriptor, text, written);
+  theirs.rename("theirs", "m.toml");
+}
+
+TEST(EditSession, WhatIsWrittenInTheMomentOfTheSaveStaysAndTheSaveIsRefused) {
   SimulatedDisk disk({{"m.toml", old_text}});
   FileLayer files = disk.layer();
   const std::string outside = "# in that moment\n" + old_text;
   bool has_come = false;
   files.swap = [&, swap = files.swap](const std::string& one, const std::string& other) {
-    if (!has_come) {
-      has_come = true;
-      const FileLayer theirs = disk.layer();
-      int descriptor = -1;
-      std::size_t written = 0;
-      theirs.create("theirs", descriptor);
-      theirs.write(descriptor, outside, written);
-      theirs.rename("theirs", "m.toml");
-    }
+    if (!std::exchange(has_come, true)) write_as_another(disk, outside);
     return swap(one, other);
   };
   Opened opened(files);
-  EXPECT_EQ(kept(opened.save(old_text, true)), "m.outside-1.toml");
+  EXPECT_EQ(opened.save(old_text, true).status, 409);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", outside}}));
+  EXPECT_EQ(kept(opened.save(outside, false)), "m.outside-1.toml");
   EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", new_text}, {"m.outside-1.toml", outside}}));
+}
+
+TEST(EditSession, ASecondChangeWhileTheFirstIsPutBackIsKeptToo) {
+  SimulatedDisk disk({{"m.toml", old_text}});
+  FileLayer files = disk.layer();
+  int writes = 0;
+  files.swap = [&, swap = files.swap](const std::string& one, const std::string& other) {
+    write_as_another(disk, fmt::format("# change {}\n{}", ++writes, old_text));
+    return swap(one, other);
+  };
+  Opened opened(files);
+  EXPECT_EQ(opened.save(old_text, true).status, 409);
+  EXPECT_EQ(writes, 2);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", "# change 1\n" + old_text},
+                                         {part_of("m.toml"), "# change 2\n" + old_text}}));
+}
+
+TEST(EditSession, AFileThatComesInTheMomentInWhichItIsSavedAnewStays) {
+  SimulatedDisk disk;
+  FileLayer files = disk.layer();
+  files.rename_new = [&, rename = files.rename_new](const std::string& from, const std::string& to) {
+    write_as_another(disk, "# theirs\n");
+    return rename(from, to);
+  };
+  Opened opened(files);
+  json asked = edits();
+  asked["expects"] = "gone";
+  EXPECT_EQ(opened.session.save(request(asked)).status, 409);
+  EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", "# theirs\n"}}));
 }
 
 TEST(EditSession, WhereNamesCannotBeSwappedAChangeBeforeTheSaveIsStillSeen) {
@@ -303,11 +336,19 @@ TEST(EditSession, AFullDiskIsToldAndTheOldFileStaysAtEveryOperation) {
 }
 
 TEST(EditSession, WhatAnInterruptedSaveHasLeftIsKeptByTheNext) {
-  SimulatedDisk disk({{"m.toml", new_text}, {"m.toml.part", "# only here\n"}});
+  SimulatedDisk disk({{"m.toml", new_text}, {part_of("m.toml"), "# only here\n"}});
   Opened opened(disk);
   EXPECT_EQ(opened.save(new_text, true, edits(old_text, 60)).status, 200);
   EXPECT_TRUE(has(disk, "# only here\n"));
-  EXPECT_FALSE(disk.content().contains("m.toml.part"));
+  EXPECT_FALSE(disk.content().contains(part_of("m.toml")));
+}
+
+TEST(EditSession, AFileOfAnotherProgramBesideItIsLeftAlone) {
+  SimulatedDisk disk({{"m.toml", old_text}, {"m.toml.part", "# a download of somebody else\n"}});
+  Opened opened(disk);
+  EXPECT_EQ(kept(opened.save(old_text, true)), nullptr);
+  EXPECT_EQ(disk.content(),
+            (DiskContent{{"m.toml", new_text}, {"m.toml.part", "# a download of somebody else\n"}}));
 }
 
 TEST(EditSession, ADiskThatWasFullForATimeLeavesNothingBehind) {
@@ -335,12 +376,7 @@ TEST(EditSession, NothingThatWasInTheFileIsLostInAThousandRandomSequences) {
       const std::string text = fmt::format("# {}\n{}", ++writes, below(3) == 0 ? "= broken" : old_text);
       std::erase(was_there, disk.content().at("m.toml"));  // whoever replaces it has to answer for it
       was_there.push_back(text);
-      const FileLayer theirs = disk.layer();
-      int descriptor = -1;
-      theirs.create("theirs", descriptor);
-      std::size_t written = 0;
-      theirs.write(descriptor, text, written);
-      theirs.rename("theirs", "m.toml");
+      write_as_another(disk, text);
     };
     bool writes_in_between = false;
     bool fails = false;
@@ -384,7 +420,7 @@ TEST(EditSession, NothingThatWasInTheFileIsLostInAThousandRandomSequences) {
             break;
           }
           const EditAnswer answer = opened->save(there, mine, of);
-          ASSERT_TRUE(answer.status == 200 || answer.status == 500) << answer.json;
+          ASSERT_THAT(answer.status, testing::AnyOf(200, 409, 500)) << answer.json;
           const std::string text = json::parse(opened->session.text(request(of)).json).at("text");
           page.texts.insert(text);  // whether it is saved or not, the page has it
           if (disk.content().at("m.toml") == text) page.known = text;
@@ -472,13 +508,53 @@ TEST(FolderFiles, NothingOutsideTheFolderIsReachedByAnyName) {
   EXPECT_EQ(file_contents(secret), "x");
 }
 
+/// A folder of a real disk with a move in it, saved by a page.
+struct RealFile {
+  TemporaryFolder folder;
+  std::filesystem::path path = folder.path() / "m.toml";
+  Opened opened{files_beneath(folder.path().string())};
+  RealFile() { write(old_text); }
+  void write(const std::string& text) const { std::ofstream(path) << text; }
+  [[nodiscard]] std::string text() const { return file_contents(path.string()); }
+  [[nodiscard]] std::ptrdiff_t files() const {
+    return std::distance(std::filesystem::directory_iterator(folder.path()),
+                         std::filesystem::directory_iterator());
+  }
+};
+
+TEST(EditSession, AWriteProtectedFileIsNotReplaced) {
+  RealFile file;
+  std::filesystem::permissions(file.path, std::filesystem::perms{0444});
+  const EditAnswer refused = file.opened.save(old_text, true);
+  EXPECT_EQ(refused.status, 500);
+  EXPECT_THAT(refused.json, HasSubstr("m.toml is write-protected (chmod u+w lets it be written)"));
+  EXPECT_EQ(file.text(), old_text);
+  std::filesystem::permissions(file.path, std::filesystem::perms{0644});
+  EXPECT_EQ(kept(file.opened.save(old_text, true)), nullptr);
+  EXPECT_EQ(file.text(), new_text);
+  EXPECT_EQ(file.files(), 1);
+}
+
+TEST(EditSession, AFileThatAnotherProgramIsStillWritingIsNotReplaced) {
+  RealFile file;
+  {
+    std::ofstream theirs(file.path, std::ios::in | std::ios::out);  // opened, and nothing written yet
+    const EditAnswer refused = file.opened.save(old_text, true);
+    EXPECT_EQ(refused.status, 500);
+    EXPECT_THAT(refused.json, HasSubstr("m.toml is being written by another program"));
+    theirs << "# theirs";
+  }
+  EXPECT_EQ(file.text(), "# theirs" + old_text.substr(8));
+  EXPECT_EQ(file.opened.save(old_text, true).status, 409);
+  EXPECT_EQ(file.files(), 1);
+}
+
 TEST(FolderFiles, ASavedFileKeepsThePermissionsOfTheOldOne) {
   TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "move.toml";
   const FileLayer files = files_beneath(folder.path().string());
   ASSERT_FALSE(replace_durably(files, "move.toml", "new"));
-  for (const auto mode :
-       {std::filesystem::perms{0600}, std::filesystem::perms{0664}, std::filesystem::perms{0444}}) {
+  for (const auto mode : {std::filesystem::perms{0600}, std::filesystem::perms{0664}}) {
     std::filesystem::permissions(path, mode);
     ASSERT_FALSE(replace_durably(files, "move.toml", "saved"));
     EXPECT_EQ(std::filesystem::status(path).permissions(), mode);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -88,6 +89,28 @@ TEST(OutputFile, KeepsItsPermissions) {
   ::chmod(old.path().c_str(), 0640);
   write_output(old.path().string(), write_text);
   EXPECT_EQ(fs::status(old.path()).permissions(), fs::perms{0640});
+}
+
+TEST(OutputFile, AWriteProtectedOneIsRefusedBeforehand) {
+  const TemporaryFile old("a", "old");
+  ::chmod(old.path().c_str(), 0444);
+  const std::string expected = old.path().string() + ": error: is write-protected: Permission denied; ";
+  EXPECT_THAT(words_of_error([&] { check_output(old.path().string()); }), StartsWith(expected));
+  EXPECT_THAT(words_of_error([&] { write_output(old.path().string(), write_text); }), StartsWith(expected));
+  EXPECT_EQ(file_contents(old.path().string()), "old");
+  EXPECT_EQ(files_in(old.path().parent_path()), 1);
+}
+
+TEST(OutputFile, AFileOfAnotherProgramBesideItIsLeftAlone) {
+  const TemporaryFile old("a", "old");
+  const std::string theirs = old.path().string() + "." + std::to_string(::getpid()) + ".part";
+  const std::string theirs_too = old.path().string() + "." + std::to_string(::getpid()) + "-1.part";
+  for (const std::string& name : {theirs, theirs_too}) write_output(name, write_text);
+  write_output(old.path().string(), [](std::FILE* file) { std::fputs("newest\n", file); });
+  EXPECT_EQ(file_contents(old.path().string()), "newest\n");
+  EXPECT_EQ(file_contents(theirs), "new\n");
+  EXPECT_EQ(file_contents(theirs_too), "new\n");
+  EXPECT_EQ(files_in(old.path().parent_path()), 3);
 }
 
 TEST(OutputFile, ASymbolicLinkGoesOnPointingToIt) {

@@ -454,8 +454,8 @@ std::vector<Morning> mornings() {
   const std::string longer = kept_text() + kept_text();
   return {{"no file", {}, unknown},
           {"a file", {{path, kept_text()}}, known},
-          {"a file, and a good one half written", {{path, kept_text()}, {path + ".part", longer}}, known},
-          {"a half written one alone", {{path + ".part", kept_text()}}, unknown},
+          {"a file, and a good one half written", {{path, kept_text()}, {part_of(path), longer}}, known},
+          {"a half written one alone", {{part_of(path), kept_text()}}, unknown},
           {"a damaged file", {{path, kept_text().substr(9)}}, unknown}};
 }
 
@@ -586,7 +586,7 @@ TEST(PositionFile, IsWrittenToTheDiskInAFolderThatItMakes) {
   file.about_to_move(std::vector<std::size_t>{slide, pan});
   file.at_rest(std::vector<PositionFile::Rest>{{slide, 5600}, {pan, -20.5}});
   EXPECT_EQ(read_text_file(real), kept_text());
-  EXPECT_FALSE(std::filesystem::exists(real + ".part"));
+  EXPECT_FALSE(std::filesystem::exists(part_of(real)));
   EXPECT_THAT(positions_of(PositionFile(real, rig())), ElementsAre(5600.0, -20.5));
 }
 

@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/file_layer.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -111,6 +113,24 @@ TEST(TaughtMove, AKeyThatIsReplacedKeepsItsCommentAndItsFrame) {
   EXPECT_EQ(lesson.text(),
             replaced(replaced(move_text, "[-20.0, 40.0] },  # the door", "[-5.0, 123.45] },  # the door"),
                      "[0, 200], frame = 40", "[-4, 130], frame = 40"));
+}
+
+TEST(TaughtMove, AWriteOfSomebodyElseInTheMomentOfStoringStaysAndIsReadAgain) {
+  const Lesson lesson;
+  FileLayer files = system_files();
+  const std::string outside = "# theirs\n" + move_text;
+  bool has_come = false;
+  files.swap = [&, swap = files.swap](const std::string& one, const std::string& other) {
+    if (!std::exchange(has_come, true)) lesson.write(outside);
+    return swap(one, other);
+  };
+  TaughtMove move(files, lesson.path, lesson.rig, {track, pan});
+  move.append(track, standing);
+  EXPECT_THAT(move.words(), HasSubstr("was changed by somebody else and is read again"));
+  EXPECT_EQ(lesson.text(), outside);
+  move.append(track, standing);
+  EXPECT_THAT(lesson.text(), HasSubstr("# theirs"));
+  EXPECT_THAT(lesson.text(), HasSubstr("{ at = [-5, 123.45] }"));
 }
 
 // Case 31: two keys a hair apart asked for 19 535 frames.
