@@ -141,11 +141,13 @@ std::unique_ptr<EditServer> listen(EditSession& session, const PageFiles& page, 
 int edit_command(const EditArguments& arguments) {
   const PageFiles page = read_page(page_folder());
   // Refuses what cannot be solved, in the words that plan has for it.
-  const Plan plan = make_plan(arguments.move, arguments.rig, Solver::closed_form);
+  static_cast<void>(make_plan(arguments.move, arguments.rig, Solver::closed_form));
   const fs::path move = fs::canonical(arguments.move);
   const std::unique_ptr<KeptAddress> address = kept_address(move);
-  EditSession session(files_beneath(move.parent_path().string()), move.filename().string(), plan.rig(),
-                      plan.kinematics(), file_id(move.string()));
+  std::optional<std::string> rig = arguments.rig;
+  if (rig) rig = fs::absolute(*rig).string();
+  EditSession session(files_beneath(move.parent_path().string()), move.filename().string(), rig,
+                      file_id(move.string()));
   // Files that the move names are beside it.
   fs::current_path(move.parent_path());
   stay_within_select();

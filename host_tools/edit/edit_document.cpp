@@ -272,6 +272,7 @@ std::string document_of(const Plan& plan, const DocumentSource& source) {
     if (plan.rig()) {
       json.begin_object();
       json.member("name", plan.rig()->name);
+      json.member("revision", source.rig_revision);
       json.member("rate_hz", plan.rig()->rate_hz);
       if (plan.kinematics()) write_joints(json, plan);
       json.end_object();

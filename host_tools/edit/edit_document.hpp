@@ -13,6 +13,7 @@ struct DocumentSource {
   std::string file;  ///< its name, without the folder
   std::string id;    ///< which file of this machine it is
   std::string revision;
+  std::string rig_revision;
   std::string_view text;
   bool with_text = false;  ///< whether the document has the text in it
 };

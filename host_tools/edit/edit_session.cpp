@@ -54,13 +54,8 @@ std::string revision_of(std::string_view text) {
   return fmt::format("{}-{:016x}", text.size(), hash.value());
 }
 
-EditSession::EditSession(FileLayer files, std::string name, std::optional<RigFile> rig,
-                         std::shared_ptr<const Kinematics> kinematics, std::string id)
-    : files_(std::move(files)),
-      name_(std::move(name)),
-      rig_(std::move(rig)),
-      kinematics_(std::move(kinematics)),
-      id_(std::move(id)) {}
+EditSession::EditSession(FileLayer files, std::string name, std::optional<std::string> rig, std::string id)
+    : files_(std::move(files)), name_(std::move(name)), rig_(std::move(rig)), id_(std::move(id)) {}
 
 template <class Action>
 EditAnswer EditSession::guarded(const Action& action) {
@@ -92,16 +87,19 @@ std::string EditSession::edited_text(const EditRequest& request) const {
   return with_edits(request.base, name_, request.edited);
 }
 
-Plan EditSession::plan_of(const std::string& text) const {
-  return {parse_move(text, name_), rig_, {.kinematics = kinematics_}};
+Plan EditSession::plan_of(const std::string& text, const EditedRig::State& rig) const {
+  return {parse_move(text, name_), rig.file, {.kinematics = rig.kinematics}};
 }
 
-EditAnswer EditSession::document(const std::string& text, bool with_text) const {
-  return {
-      200,
-      document_of(
-          plan_of(text),
-          {.file = name_, .id = id_, .revision = revision_of(text), .text = text, .with_text = with_text})};
+EditAnswer EditSession::document(const std::string& text, bool with_text) {
+  const EditedRig::State rig = rig_.now();
+  const Plan plan = plan_of(text, rig);
+  return {200, document_of(plan, {.file = name_,
+                                  .id = id_,
+                                  .revision = revision_of(text),
+                                  .rig_revision = rig.revision,
+                                  .text = text,
+                                  .with_text = with_text})};
 }
 
 EditAnswer EditSession::open() {
@@ -118,7 +116,15 @@ EditAnswer EditSession::document_of_base(const std::string& base) {
 
 EditAnswer EditSession::revision() {
   return guarded([&]() -> EditAnswer {
-    return {200, nlohmann::json{{"revision", revision_of_file(read())}, {"id", id_}}.dump()};
+    const EditedRig::State rig = rig_.now();
+    const auto or_null = [](const std::string& text) {
+      return text.empty() ? nlohmann::json() : nlohmann::json(text);
+    };
+    return {200, nlohmann::json{{"revision", revision_of_file(read())},
+                                {"id", id_},
+                                {"rig", or_null(rig.revision)},
+                                {"rig_error", or_null(rig.error)}}
+                     .dump()};
   });
 }
 
@@ -129,7 +135,7 @@ EditAnswer EditSession::resolve(const EditRequest& request) {
 EditAnswer EditSession::fit(const EditRequest& request) {
   return guarded([&]() -> EditAnswer {
     std::string text = edited_text(request);
-    const Plan plan = plan_of(text);
+    const Plan plan = plan_of(text, rig_.now());
     if (!plan.rig()) throw Refused{422, "there are no limits without a rig; open the move with --rig"};
     const std::int64_t last_ns = MonotonicClock().now_ns() + max_fit_ns;
     const SpeedFit found =
@@ -146,7 +152,7 @@ EditAnswer EditSession::fit(const EditRequest& request) {
 EditAnswer EditSession::fewest(const EditRequest& request) {
   return guarded([&]() -> EditAnswer {
     const std::string text = edited_text(request);
-    const Plan plan = plan_of(text);
+    const Plan plan = plan_of(text, rig_.now());
     if (!plan.rig()) throw Refused{422, "there are no limits without a rig; open the move with --rig"};
     const SmallestFrames smallest = smallest_frames(plan, check(plan), {});
     if (!smallest.frames) throw Refused{422, "no number of frames would do: " + smallest.reason};
@@ -195,7 +201,8 @@ EditAnswer EditSession::save(const EditRequest& request) {
   const std::lock_guard lock(writing_);
   return guarded([&]() -> EditAnswer {
     const std::string text = edited_text(request);
-    (void)plan_of(text);  // from a file that cannot be solved, neither the page nor `plan` would come back
+    // From a file that cannot be solved, neither the page nor `plan` would come back.
+    (void)plan_of(text, rig_.now());
     const std::optional<std::string> there = read();
     nlohmann::json answer{{"revision", revision_of(text)}, {"kept", nullptr}};
     if (there == text) return {200, answer.dump()};  // an answer that was lost, and the same request again

@@ -1,14 +1,13 @@
 // One move file, edited: what the page may ask, without the network.
 #pragma once
 
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
 #include "host_tools/edit/edit_request.hpp"
+#include "host_tools/edit/edited_rig.hpp"
 #include "host_tools/files/file_layer.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/plan/plan.hpp"
 
 namespace inbetween {
@@ -26,16 +25,17 @@ struct EditAnswer {
 /// that of a file that is gone is "gone".
 class EditSession {
  public:
-  /// `name` is the move's name in the folder of `files`; `id` tells it from every other file of this machine.
-  EditSession(FileLayer files, std::string name, std::optional<RigFile> rig,
-              std::shared_ptr<const Kinematics> kinematics, std::string id = "");
+  /// `name` is the move's name in the folder of `files`, `rig` the path of its rig; `id` tells the move from
+  /// every other file of this machine.
+  EditSession(FileLayer files, std::string name, std::optional<std::string> rig, std::string id = "");
 
   /// The file as it is now: document_of with the text, or 422 where it is no move that can be solved; 404
   /// where it is gone.
   EditAnswer open();
   /// The same of a text that the page has had from open() before.
   EditAnswer document_of_base(const std::string& base);
-  /// {"revision": of the file as it is now, "id"}.
+  /// {"revision": of the file as it is now, "id", "rig": the revision of the rig that counts, "rig_error":
+  /// why its file of today does not}; null where there is none.
   EditAnswer revision();
   /// The move with the edits, solved; nothing is written.
   EditAnswer resolve(const EditRequest& request);
@@ -61,16 +61,15 @@ class EditSession {
   EditAnswer guarded(const Action& action);
   [[nodiscard]] std::optional<std::string> read() const;
   [[nodiscard]] std::string edited_text(const EditRequest& request) const;
-  [[nodiscard]] Plan plan_of(const std::string& text) const;
-  [[nodiscard]] EditAnswer document(const std::string& text, bool with_text = false) const;
+  [[nodiscard]] Plan plan_of(const std::string& text, const EditedRig::State& rig) const;
+  [[nodiscard]] EditAnswer document(const std::string& text, bool with_text = false);
   [[nodiscard]] std::string keep_copy(const std::string& text, const char* what) const;
   void replace(const std::optional<std::string>& there, const std::string& text) const;
 
   std::mutex writing_;
   FileLayer files_;
   std::string name_;
-  std::optional<RigFile> rig_;
-  std::shared_ptr<const Kinematics> kinematics_;
+  EditedRig rig_;
   std::string id_;
 };
 

@@ -61,18 +61,18 @@ export const key = (page, k) => page.locator("#plan .key .knob").nth(k);
 export const value = (page, i) => page.locator("#speed .value .knob").nth(i);
 
 /** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given, and
- * `rigText` in place of the rig. */
-export async function edit(move, rig, { text, rigText, viewport = { width: 1280, height: 720 }, touch = false } = {}) {
+ * `rigText` in place of the rig. With `browser` it opens one, in that environment. */
+export async function edit(move, rig, { text, rigText, viewport = { width: 1280, height: 720 }, touch = false, browser: desktop } = {}) {
   const folder = mkdtempSync(join(tmpdir(), "inbetween-editor-"));
   cpSync(join(root, "examples"), folder, { recursive: true });
   const path = join(folder, move);
   if (text !== undefined) writeFileSync(path, text);
   if (rigText !== undefined) writeFileSync(join(folder, rig), rigText);
-  const words = ["edit", path, "--no-browser", ...(rig ? ["--rig", join(folder, rig)] : [])];
+  const words = ["edit", path, ...(desktop ? [] : ["--no-browser"]), ...(rig ? ["--rig", join(folder, rig)] : [])];
   let running = null;
   let said = "";
   const launch = () => new Promise((resolve, reject) => {
-    running = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, XDG_STATE_HOME: join(folder, "state") } });
+    running = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...desktop, XDG_STATE_HOME: join(folder, "state") } });
     const launched = running;
     programs.add(launched);
     said = "";

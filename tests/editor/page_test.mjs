@@ -3,10 +3,10 @@
 //
 //   INBETWEEN=build/release/inbetween node --test tests/editor/page_test.mjs
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { connect } from "node:net";
 import { tmpdir } from "node:os";
-import { basename, join } from "node:path";
+import { basename, dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import {
   alone, centre, edit, example, hashes, hundredKeys, key, pick, pictures, settled, shown, startBrowser, stopBrowser, until, value, written,
@@ -441,7 +441,7 @@ for (const [width, height] of [[1600, 900], [1280, 720], [390, 844]]) {
     assert.ok(said.y + said.height <= height && said.height > 20);
     assert.ok(!meet(said, await box("main")), "a line of its own");
     const words = page.locator("#speed .over-text");
-    assert.match(await words.textContent(), /slide: velocity is 42 times what is allowed at frame 2/);
+    assert.match(await words.textContent(), /slide: velocity is 42 times what is allowed near frame 2/);
     assert.ok(!meet(await words.boundingBox(), await box("#speed .plot")), "beside the curve");
     for (const part of ["path", "side", "speed", "time", "preview"]) {
       const around = await box(`#${part}`);
@@ -456,6 +456,55 @@ for (const [width, height] of [[1600, 900], [1280, 720], [390, 844]]) {
     await editor.end();
   });
 }
+
+test("the limits of the rig are seen when its file has others, and a file that is no rig is said", async () => {
+  const editor = await reveal();
+  const { page, folder } = editor;
+  const rig = join(folder, "camera_rig.toml");
+  const first = readFileSync(rig, "utf8");
+  await pick(page, value(page, 4));
+  await page.keyboard.press("ArrowUp");
+  await editor.saved();
+  const verdict = () => page.locator("#verdict").textContent();
+  assert.match(await verdict(), /within the limits/);
+  writeFileSync(rig, first.replace("max_velocity = 500.0", "max_velocity = 50.0"));
+  await until(page, () => document.getElementById("verdict").textContent.includes("50 is allowed"));
+  await editor.picture("new_limits");
+  assert.equal(await page.locator("#saved").textContent(), "saved", "nothing of the move has changed");
+  await page.keyboard.press("Control+z");
+  await editor.settled();
+  assert.match(await verdict(), /50 is allowed/, "every step of undo has them");
+  writeFileSync(rig, "[[axis]]\n");
+  await page.waitForSelector("#notice-rig");
+  assert.match(await page.locator("#notice-rig").textContent(), /camera_rig\.toml:1.*The limits are those of before/);
+  assert.match(await verdict(), /50 is allowed/);
+  writeFileSync(rig, first);
+  await until(page, () => !document.getElementById("notice-rig") && document.getElementById("verdict").textContent.includes("within the limits"));
+  await page.locator("#notice-rig").waitFor({ state: "detached" });
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+});
+
+test("the browser is led to the move without its key on a command line", async () => {
+  const desktop = mkdtempSync(join(tmpdir(), "inbetween-desktop-"));
+  const told = join(desktop, "told");
+  writeFileSync(join(desktop, "xdg-open"), `#!/bin/sh\nprintf '%s\\n' "$*" >"${told}"\n`, { mode: 0o755 });
+  const editor = await edit("reveal.toml", "camera_rig.toml", { browser: { PATH: `${desktop}:${process.env.PATH}`, DISPLAY: ":9" } });
+  await written(() => existsSync(told) && readFileSync(told, "utf8").endsWith("\n"));
+  const opened = readFileSync(told, "utf8").trim();
+  const key = editor.address.split("#")[1];
+  assert.ok(!opened.includes(key), opened);
+  assert.equal(statSync(opened).mode & 0o777, 0o600);
+  assert.equal(statSync(dirname(opened)).mode & 0o777, 0o700);
+  const page = await editor.context.newPage();
+  await page.goto(`file://${opened}`);
+  await page.waitForSelector("#frames");
+  assert.equal(await editor.shown(), await shown(page));
+  assert.deepEqual(editor.complaints, []);
+  await editor.end();
+  assert.ok(!existsSync(opened), "it goes with the program");
+  rmSync(desktop, { recursive: true });
+});
 
 test("the preview plays in true time, backward, in a loop, to and fro, by steps, and is scrubbed", async () => {
   const editor = await reveal();

@@ -86,7 +86,7 @@ class EditServerTest : public testing::Test {
  protected:
   EditServerTest()
       : disk_({{"m.toml", move_text}}),
-        session_(disk_.layer(), "m.toml", std::nullopt, nullptr),
+        session_(disk_.layer(), "m.toml", std::nullopt),
         server_(session_, {{"/index.html", {"text/html", "<p>the page</p>"}}}, random_key(), 0),
         runner_([this] { server_.run(); }) {}
   ~EditServerTest() override {

@@ -73,7 +73,7 @@ EditRequest request(const json& of) {
 
 struct Opened {
   explicit Opened(SimulatedDisk& disk) : Opened(disk.layer()) {}
-  explicit Opened(FileLayer files) : session(std::move(files), "m.toml", std::nullopt, nullptr) {}
+  explicit Opened(FileLayer files) : session(std::move(files), "m.toml", std::nullopt) {}
 
   /// A save by a page that knows the file as `known`.
   EditAnswer save(const std::string& known, bool own, json of = edits()) {
@@ -465,8 +465,7 @@ TEST(EditSession, TheSolvedDocumentHasTheFitAndTheFewestFrames) {
       "name = \"whip\"\nfps = 24\nframes = 60\n[[track]]\naxes = [\"pan\"]\n"
       "keys = [{ at = [-60] }, { at = [60] }]\nspeed = [0, 0, 10, 4, 2, 0, 0]\n";
   SimulatedDisk disk({{"m.toml", whip}});
-  EditSession session(disk.layer(), "m.toml", read_rig_file(in_checkout("examples/camera_rig.toml")),
-                      nullptr);
+  EditSession session(disk.layer(), "m.toml", in_checkout("examples/camera_rig.toml"));
   const json document = json::parse(session.open().json);
   EXPECT_EQ(document.at("axes").at(0).at("unit"), "deg");
   EXPECT_EQ(document.at("tracks").at(0).at("live"), true);
@@ -482,6 +481,41 @@ TEST(EditSession, TheSolvedDocumentHasTheFitAndTheFewestFrames) {
   ASSERT_EQ(fitted.status, 200) << fitted.json;
   EXPECT_NE(json::parse(fitted.json).at("tracks").at(0).at("speed"), document.at("tracks").at(0).at("speed"));
   EXPECT_EQ(json::parse(session.fewest(request(asked)).json).at("frames"), 90) << "as README.md says of it";
+}
+
+// The page sees new limits as it sees a changed move: by their revision.
+TEST(EditSession, TheLimitsAreThoseThatTheRigsFileHasNow) {
+  const TemporaryFile rig("rig.toml", file_contents(in_checkout("examples/camera_rig.toml")));
+  const std::string turn =
+      "name = \"turn\"\nfps = 24\nframes = 60\n[[track]]\naxes = [\"pan\"]\n"
+      "keys = [{ at = [-60] }, { at = [60] }]\nspeed = [0, 0, 10, 0, 0]\n";
+  SimulatedDisk disk({{"m.toml", turn}});
+  EditSession session(disk.layer(), "m.toml", rig.path().string());
+  const auto revision = [&] { return json::parse(session.revision().json); };
+  const auto limit = [&] {
+    return json::parse(session.document_of_base(turn).json)["axes"][0]["limits"]["max_velocity"];
+  };
+  const std::string rig_text = file_contents(rig.path().string());
+  const auto write_rig = [&](const std::string& text) { std::ofstream(rig.path()) << text; };
+  EXPECT_EQ(limit(), 90);
+  const json first = revision();
+  EXPECT_EQ(json::parse(session.open().json)["rig"]["revision"], first["rig"]);
+  EXPECT_EQ(first["rig_error"], nullptr);
+
+  std::string slower = rig_text;
+  slower.replace(slower.find("max_velocity = 90.0"), 19, "max_velocity = 45.0");
+  write_rig(slower);
+  EXPECT_NE(revision()["rig"], first["rig"]);
+  EXPECT_EQ(limit(), 45);
+
+  write_rig("[[axis]]\n");
+  EXPECT_THAT(revision()["rig_error"].get<std::string>(), HasSubstr("rig.toml:1"));
+  EXPECT_EQ(limit(), 45) << "until the file can be read again";
+  std::filesystem::remove(rig.path());
+  EXPECT_THAT(revision()["rig_error"].get<std::string>(), HasSubstr("rig.toml"));
+  write_rig(rig_text);
+  EXPECT_EQ(revision(), first);
+  EXPECT_EQ(limit(), 90);
 }
 
 TEST(FolderFiles, NothingOutsideTheFolderIsReachedByAnyName) {

@@ -332,7 +332,7 @@ TEST(Network, OtherFramesAreNotTriedBecauseItsCurvesAreDrawnOnThese) {
 
 TEST(Network, AnEditorShowsItAndLeavesItsKeysAlone) {
   const TemporaryFile move("move.toml", mouth);
-  EditSession session(system_files(), move.path().string(), std::nullopt, nullptr, "id");
+  EditSession session(system_files(), move.path().string(), std::nullopt, "id");
   const Json track = Json::parse(session.open().json)["tracks"][0];
   EXPECT_EQ(track["live"], false);
   EXPECT_FALSE(track["path"].is_null());

@@ -91,7 +91,7 @@ function rigOf(text: string): { rig: Move["rig"]; axes: Map<string, Axis> } {
       stop_acceleration: axis.number("stop_acceleration"), stop_jerk: axis.number("stop_jerk"),
     }, motor: null });
   }
-  return { rig: { name: String(file.name ?? "rig"), rate_hz: Number(file.rate_hz ?? 250) }, axes };
+  return { rig: { name: String(file.name ?? "rig"), revision: "", rate_hz: Number(file.rate_hz ?? 250) }, axes };
 }
 
 /** Throws an Error, one line, where the page alone cannot read it. */

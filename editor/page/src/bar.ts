@@ -2,8 +2,8 @@
 import { download, textOf, textWithoutProgram } from "./alone";
 import { attributes, button, byId, html, notice, say } from "./dom";
 import type { Draft } from "./drafts";
-import { max_frames, type Move, parseFps, withTrack } from "./move";
-import { Refusal, type Server } from "./server";
+import { max_frames, type Move, parseFps, withRigOf, withTrack } from "./move";
+import { type FileState, Refusal, type Server } from "./server";
 import type { Store } from "./store";
 
 export class Bar {
@@ -166,8 +166,7 @@ export class Bar {
     try {
       const answer = await this.server.resolve(asked);
       if (this.store.move !== asked) return;
-      const taken = this.taken(asked, answer); // one object: what is saved stays what is shown
-      this.store.amend((move) => (move === asked ? taken : move));
+      this.store.amend((move) => (move === asked ? this.taken(asked, answer) : move));
     } catch (error) {
       say((error as Error).message, true);
     }
@@ -268,6 +267,7 @@ export class Bar {
       const file = await this.server.revision();
       if (file.id !== this.store.move.id) return this.tellAway("The program at this address edits another file now");
       there = file.revision;
+      await this.seeRig(file);
     } catch (error) {
       if (error instanceof Refusal && error.status === 0) this.tellAway("The program has ended");
       else if (error instanceof Refusal && error.status === 403) this.tellAway("Another program has the address of this page now");
@@ -279,6 +279,25 @@ export class Bar {
       this.later();
     }
     if (there !== known && this.known === known && !this.saving && !this.conflict && !this.busy) this.offer(there);
+  }
+  /** New limits are seen as a new move is: every step of undo gets them. */
+  private async seeRig({ rig, rig_error }: FileState): Promise<void> {
+    const tell = (error: string | null): void => notice("rig", error && `The rig cannot be taken as its file is now: ${error}. The limits are those of before.`);
+    tell(rig_error);
+    if (rig === (this.store.move.rig?.revision ?? null) || this.store.isDragging) return;
+    const now = new Map<string, Move>();
+    try {
+      for (const { revision, text } of this.store.states) if (!now.has(revision)) now.set(revision, await this.server!.document(text));
+    } catch (error) {
+      return tell((error as Error).message);
+    }
+    if (this.store.isDragging) return; // a step that has been begun keeps its limits: the next look takes them
+    this.store.amend((move) => {
+      const there = now.get(move.revision);
+      return there ? withRigOf(there, move) : move;
+    });
+    void this.resolve();
+    say("The limits are those that the rig's file has now.");
   }
   private tellAway(what: string): void {
     notice("away", `${what}. ${this.hasRoom ? "You can go on: this browser keeps your edits, and this page saves them when" : "Download your edits, or leave this page open until"} inbetween edit is started again for ${this.store.move.file}.`,

@@ -103,6 +103,7 @@ export interface Joint {
 
 export interface Rig {
   readonly name: string;
+  readonly revision: string; // of its file, with the URDF file that it names
   readonly rate_hz: number;
   /** Of a rig with kinematics. */
   readonly joints?: readonly Joint[];
@@ -139,6 +140,15 @@ export function parseFps(text: string): FrameRate | null {
 
 export function withTrack(move: Move, index: number, change: Partial<Track>): Move {
   return { ...move, tracks: move.tracks.map((track, t) => (t === index ? { ...track, ...change } : track)) };
+}
+
+/** The move on the rig that `there` has, which is of the same text. */
+export function withRigOf(there: Move, move: Move): Move {
+  const tracks = move.tracks.map((track, t): Track => {
+    const { unit, coordinates, weights, live } = there.tracks[t];
+    return { ...track, unit, coordinates, weights, live };
+  });
+  return { ...move, rig: there.rig, axes: there.axes, tracks };
 }
 
 export function withKeys(move: Move, index: number, keys: readonly Key[]): Move {

@@ -17,6 +17,14 @@ export interface MotionFit {
   readonly deviation: number; // in tolerances
 }
 
+/** Of the file as it is now, and which file it is. */
+export interface FileState {
+  readonly revision: string;
+  readonly id: string;
+  readonly rig: string | null; // the revision of the rig that counts
+  readonly rig_error: string | null; // why its file of today does not
+}
+
 /** What the program refuses, in its words. */
 export class Refusal extends Error {
   constructor(readonly status: number, message: string, readonly revision: string | null) {
@@ -42,9 +50,8 @@ export class Server {
   async document(text: string): Promise<Move> {
     return { ...((await this.ask("POST", "document", { base: text })) as Move), text };
   }
-  /** Of the file as it is now, and which file it is. */
-  revision(): Promise<{ revision: string; id: string }> {
-    return this.ask("GET", "revision") as Promise<{ revision: string; id: string }>;
+  revision(): Promise<FileState> {
+    return this.ask("GET", "revision") as Promise<FileState>;
   }
   async text(move: Move): Promise<string> {
     return ((await this.ask("POST", "text", editsOf(move))) as { text: string }).text;

@@ -121,7 +121,7 @@ export class SpeedView {
     this.strokes.stroke("ceiling", 1.3, [7, 3]);
     attributes(this.red, { d: over });
     const words = worst.axis < 0 ? "" : `${movedOf(this.store.move)[worst.axis].name}: ${quantities[worst.quantity]} ${
-      overInWords(worst)} at frame ${Math.round(worst.share * this.store.move.frames)}`;
+      overInWords(worst)} near frame ${Math.round(worst.share * this.store.move.frames)}`;
     if (this.overText.textContent !== words) this.overText.textContent = words;
     attributes(this.overText, { title: words });
   }

@@ -89,10 +89,16 @@ export class Store {
   }
   /** The same move by other words: no step of undo. */
   amend(change: (move: Move) => Move): void {
-    this.saved = this.saved && change(this.saved);
-    this.sent = this.sent && change(this.sent);
-    this.states = this.states.map(change);
-    this.move = change(this.move);
+    const changed = new Map<Move, Move>(); // what is saved stays what is shown
+    const once = (move: Move): Move => {
+      const result = changed.get(move) ?? change(move);
+      changed.set(move, result);
+      return result;
+    };
+    this.saved = this.saved && once(this.saved);
+    this.sent = this.sent && once(this.sent);
+    this.states = this.states.map(once);
+    this.move = once(this.move);
     this.solveSoon();
   }
   /** What the file has now: a step of undo like every other, so that what was here before stays; what could be done again
