@@ -37,9 +37,8 @@ fs::path page_folder() {
   const auto found = find_page(fs::read_symlink("/proc/self/exe"));
   if (found) return *found;
   throw std::runtime_error(
-      "inbetween: error: the page of the editor is not built; run scripts/bootstrap editor, then cmake "
-      "--preset demo, "
-      "then cmake --build --preset demo --target inbetween_editor_page");
+      "inbetween: error: the page of the editor is not built; run scripts/demo, which installs what that "
+      "takes and builds it");
 }
 
 /// Asks the desktop to open an address; nothing happens where there is none. What is returned has to stay as

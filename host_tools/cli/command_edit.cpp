@@ -26,7 +26,7 @@ and a page that is open goes on when the program is started again. docs/editor.m
 Whoever has read the printed address can edit the move while the program runs: it has the key of the move, which
 stays the same. Key and port are kept in $XDG_STATE_HOME/inbetween, or in ~/.local/state/inbetween.
 
-The page is built apart from the program: scripts/bootstrap editor, and then the target inbetween_editor_page.
+scripts/demo builds the page with the program, and the Debian package has it.
 
 Examples:
   inbetween edit move.toml --rig rig.toml
