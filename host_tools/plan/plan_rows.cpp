@@ -1,6 +1,28 @@
 #include "host_tools/plan/plan_rows.hpp"
 
+#include <algorithm>
+#include <span>
+
 namespace inbetween {
+namespace {
+
+/// A key is met on its frame as nearly as the core's lock is: 2e-12 of the length, which is this share of the
+/// frames or less wherever the axes pass the key with a five-hundredth of their mean speed.
+constexpr double met_share = 1e-9;
+
+/// A row that a key is passed on, the key a rounding later: the moment of the key. Any other row as it is.
+FrameTime leaving_time(const Trajectory& trajectory, const FrameTime& row) {
+  const double frames = frames_between(trajectory.begin(), trajectory.end());
+  const FrameTime latest = moved_by(row, met_share * frames);
+  const std::span<const TrajectoryBreak> breaks = trajectory.breaks();
+  const auto behind =
+      std::ranges::partition_point(breaks, [&](const TrajectoryBreak& one) { return one.time <= latest; });
+  if (behind == breaks.begin()) return row;
+  const FrameTime& met = (behind - 1)->time;
+  return row < met && met < trajectory.end() ? met : row;
+}
+
+}  // namespace
 
 TimeLine::TimeLine(const Plan& plan, PlanRows rows)
     : move_(plan.played()), rows_(rows), rate_hz_(rows == PlanRows::tick ? plan.rig()->rate_hz : 0) {}
@@ -42,7 +64,7 @@ AxisMotion AxisColumn::motion(std::int64_t row) const {
   const FrameTime when = line_.at(row);
   const auto rolls = line_.move().rolls_at(when);
   if (!rolls.empty()) return rolls[move_axis_].motion(when);
-  return trajectory_.motion_of(axis_, line_.move().within_part(when));
+  return trajectory_.motion_of(axis_, leaving_time(trajectory_, line_.move().within_part(when)));
 }
 
 std::string unit_of(const PlanAxis& axis) {

@@ -44,7 +44,8 @@ class AxisColumn {
   [[nodiscard]] double position(std::int64_t row) const { return position(line_.at(row)); }
   /// Between the first row and the last.
   [[nodiscard]] double position(const FrameTime& when) const;
-  /// Velocity and acceleration are those of what plays.
+  /// Velocity and acceleration are those of what plays; on a key, which may be met a rounding later, those
+  /// with which the axis leaves it.
   [[nodiscard]] AxisMotion motion(std::int64_t row) const;
 
  private:

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -17,7 +18,9 @@
 #include <string_view>
 #include <vector>
 
+#include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/plan_plot.hpp"
+#include "host_tools/plan/plan_rows.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"
 #include "tests/support/places.hpp"
@@ -312,6 +315,112 @@ TEST(PlanJson, PerTickItsAxesHaveAValuePerTick) {
     EXPECT_SAME_BITS(json["axes"][1]["position"][tick].get<double>(), positions[1]);
   }
   EXPECT_EQ(json["axes"][2]["position"][121], 0);  // closed: back at key 0
+}
+
+/// The example arm, its joints known.
+Plan plan_of_arm(const std::string& track) {
+  static const RigFile rig = read_rig_file(examples + "arm/rig.toml");
+  static const auto joints = std::make_shared<const Kinematics>(read_kinematics(rig));
+  const std::string move =
+      "name = \"key\"\nfps = 24\nframes = 96\n[[track]]\n"
+      "axes = [\"shoulder\", \"elbow\"]\n";
+  return Plan(parse_move(move + track, "key.toml"), rig, {.kinematics = joints});
+}
+
+/// What an axis has `way` frames beside a frame, from what plays there and twice as far away.
+double acceleration_beside(const Plan& plan, std::size_t axis, std::int32_t frame, double way) {
+  const auto at = [&](double frames) {
+    return plan.motion().trajectories()[0].motion_of(axis, moved_by({frame, 0}, frames)).acceleration;
+  };
+  return 2 * at(way) - at(2 * way);
+}
+
+/// The row of a key's frame has the acceleration behind it. Returns whether it steps there.
+bool expect_the_leaving_side(const Plan& plan, std::int32_t frame) {
+  bool steps = false;
+  for (const std::size_t axis : {0U, 1U}) {
+    SCOPED_TRACE(fmt::format("axis {}, frame {}", axis, frame));
+    const double arriving = acceleration_beside(plan, axis, frame, -1e-4);
+    const double leaving = acceleration_beside(plan, axis, frame, 1e-4);
+    const AxisColumn column(plan, plan.axes()[axis], PlanRows::frame);
+    EXPECT_NEAR(column.motion(frame).acceleration, leaving,
+                1e-3 * (1 + std::fabs(leaving) + std::fabs(arriving)));
+    steps = steps || std::fabs(leaving - arriving) > 1;
+  }
+  return steps;
+}
+
+TEST(PlanRows, ABreakIsToldAsTheAxisLeavesIt) {
+  EXPECT_TRUE(expect_the_leaving_side(plan_of_arm(R"(spline = "catmull-rom"
+speed = [0, 0, 2.0244224295936504, 7.061276261967915, 5, 0, 0]
+keys = [{ at = [-47.71, 75.43] }, { at = [-11.99, 72.16], frame = 33, break = true },
+        { at = [15.77, 99.52] }, { at = [48.72, 65.1] }]
+)"),
+                                      33));
+}
+
+TEST(PlanRows, ALockedKeyOfATipsDistanceIsToldAsTheAxisLeavesIt) {
+  EXPECT_TRUE(expect_the_leaving_side(plan_of_arm(R"(spline = "catmull-rom"
+distance = "hand"
+speed = [0, 0, 4.4704110082609185, 8.421370181948236, 5, 0, 0]
+keys = [{ at = [-34.81, 99.5] }, { at = [-13.33, 75.06] }, { at = [21.61, 65.33], frame = 60 },
+        { at = [52.4, 73.3] }]
+)"),
+                                      60));
+}
+
+TEST(PlanRows, AKeyOfAPaceIsToldAsTheAxisLeavesIt) {
+  const Plan plan = plan_of_arm(R"(spline = "tcb"
+timing = "frames"
+kinetic = "pace"
+keys = [{ at = [-39.33, 62.13], frame = 0 }, { at = [-2.56, 64.54], frame = 28 },
+        { at = [13.26, 98.88], frame = 65 }, { at = [50.74, 92.46], frame = 96 }]
+)");
+  EXPECT_TRUE(expect_the_leaving_side(plan, 28));
+  EXPECT_TRUE(expect_the_leaving_side(plan, 65));
+}
+
+/// A way of saying when keys 1 and 2 are met: what the track says beside its keys, and what they say.
+struct KeyTimes {
+  const char* track;
+  const char* key_1;
+  const char* key_2;
+  bool in_space = false;
+};
+const std::vector<KeyTimes> key_times = {
+    {"timing = \"frames\"\nkinetic = \"pace\"\n", "frame = 31", "frame = 62"},
+    {"timing = \"frames\"\nkinetic = \"monotone\"\n", "frame = 31", "frame = 62"},
+    {"timing = \"frames\"\n", "frame = 31", "frame = 62"},
+    {"speed = [0, 0, 4, 8, 5, 0, 0]\n", "frame = 31", "frame = 62"},
+    {"speed = [0, 0, 4, 8, 5, 0, 0]\n", "frame = 31, break = true", "frame = 62, break = true"},
+    {"speed = [0, 0, 4, 8, 5, 0, 0]\n", "frame = 31, hold = 7", "frame = 62"},
+    {"speed = [0, 0, 4, 8, 5, 0, 0]\ndistance = \"hand\"\n", "frame = 31", "frame = 62"},
+    {"speed = [0, 0, 4, 8, 5, 0, 0]\nspace = \"hand\"\nelbow = \"up\"\n", "frame = 31", "frame = 62", true},
+};
+
+TEST(PlanRows, EveryKeyIsToldAsTheAxisLeavesItWithEverySplineAndTiming) {
+  int stepping = 0;
+  for (const char* spline : {"smooth", "catmull-rom", "tcb", "linear"}) {
+    for (const KeyTimes& times : key_times) {
+      for (const double other : {-1.0, -0.4, 0.3, 0.9}) {
+        const auto at = [&](double place) {
+          return times.in_space
+                     ? fmt::format("[{}, {}, 0]", 0.3 + 0.02 * other * place, -0.2 + 0.13 * place)
+                     : fmt::format("[{}, {}]", -45 + 30 * place + 5 * other, 80 + 9 * other * place);
+        };
+        const std::string first = times.track[0] == 't' ? ", frame = 0" : "";
+        const std::string last = first.empty() ? "" : ", frame = 96";
+        const std::string track = fmt::format(
+            "spline = \"{}\"\n{}keys = [{{ at = {}{} }}, {{ at = {}, {} }}, {{ at = {}, {} }}, {{ at = {}{} "
+            "}}]\n",
+            spline, times.track, at(0), first, at(1.2), times.key_1, at(1.8), times.key_2, at(3), last);
+        SCOPED_TRACE(track);
+        const Plan plan = plan_of_arm(track);
+        for (const std::int32_t frame : {31, 62}) stepping += expect_the_leaving_side(plan, frame) ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(stepping, 60) << "so many step, and the sides differ";
 }
 
 /// Adds the names of all fields at any depth.
