@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <utility>
 
 #include "inbetween/steps/edge_instant.hpp"
 #include "sim/simulated_stepper.hpp"
@@ -35,8 +37,11 @@ class SimulatedStepChip {
       levels_ = (levels_ & ~waiting_.front().mask) | waiting_.front().levels;
       // Instants are played in their order.
       for (SimulatedStepper& stepper : steppers_) static_cast<void>(stepper.take(waiting_.front()));
+      if (tell_) tell_(waiting_.front());
     }
   }
+  /// Called with each instant that was played, once its steppers have it.
+  void tell_played(std::function<void(const EdgeInstant&)> tell) { tell_ = std::move(tell); }
   /// The chip is unplugged.
   void remove() { has_ended_ = true; }
 
@@ -47,6 +52,7 @@ class SimulatedStepChip {
  private:
   std::deque<SimulatedStepper> steppers_;
   std::deque<EdgeInstant> waiting_;
+  std::function<void(const EdgeInstant&)> tell_;
   std::uint64_t levels_ = 0;
   bool has_ended_ = false;
 };

@@ -239,7 +239,7 @@ void print_check(const Plan& plan, const CheckReport& report, const SmallestFram
 void write_check(JsonWriter& json, const Plan& plan, const CheckReport& report,
                  const SmallestFrames& smallest) {
   json.member("format", 1);
-  if (!plan.is_whole()) {
+  if (plan.names_frames()) {
     json.member("first", plan.part().first);
     json.member("last", plan.part().last);
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,7 @@ namespace {
 
 struct RunArguments : SetupArguments, ShootArguments {
   std::string move;
-  std::optional<std::string> json, record, cue_log, plot;
+  std::optional<std::string> json, record, cue_log, steps, plot;
   PictureStyle style = PictureStyle::light;
   bool loop = false;
   bool ping_pong = false;
@@ -77,7 +78,7 @@ void print_log(const LoopLogEnd& log, const char* records, const std::string& fi
     fmt::print(out, "  {}: {} {}\n", file == "-" ? "standard output" : file, log.written, records);
     return;
   }
-  complain(fmt::format("{}: warning: {} of {} {} are not in it: {}; the rig was not held up", file, log.lost,
+  complain(fmt::format("{}: warning: it holds {} of {} {}: {}; the rig was not held up", file, log.written,
                        log.written + log.lost, records, log.why));
 }
 
@@ -123,6 +124,7 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   const std::string trouble = trouble_of(report.counts);
   if (!trouble.empty()) fmt::print(out, "  counted: {}\n", trouble);
   if (report.record) print_log(*report.record, "ticks", *arguments.record, out);
+  if (report.steps) print_log(*report.steps, "edges", *arguments.steps, out);
   if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
   if (report.shoot_log) print_log(*report.shoot_log, "exposures", *arguments.shoot_log, out);
 }
@@ -143,6 +145,7 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
   SessionOptions rig = session_options_of(arguments);
   if (arguments.faults) rig.faults = read_fault_script(*arguments.faults, *plan.rig());
   if (!arguments.takes) rig.record = arguments.record;
+  rig.steps = arguments.steps;
   rig.audience.interrupted = &InterruptWatch::asked;
   rig.audience.rig_has_changed = [&] { return watch.has_changed(); };
   if (arguments.yes) {
@@ -207,10 +210,16 @@ Plan looped(Plan plan, const RunArguments& arguments) {
       "a move that is shot frame by frame is not repeated unless it is periodic; leave out --loop");
 }
 
+bool is_numbered(const std::optional<std::string>& file) {
+  return file && file->find("%n") != std::string::npos;
+}
+
 void refuse_take_arguments(const RunArguments& arguments) {
-  const bool is_numbered = arguments.record && arguments.record->find("%n") != std::string::npos;
   if (!arguments.takes) {
-    if (is_numbered) throw UsageError("%n in --record is the number of a take; add --takes");
+    for (const auto& [option, file] : {std::pair("--record", arguments.record), {"--plot", arguments.plot}}) {
+      if (is_numbered(file))
+        throw UsageError(fmt::format("%n in {} is the number of a take; add --takes", option));
+    }
     return;
   }
   if (arguments.is_shot())
@@ -218,18 +227,38 @@ void refuse_take_arguments(const RunArguments& arguments) {
   if (arguments.fast || !KeyTerminal::is_there()) {
     throw UsageError("--takes needs somebody at a terminal who asks for each; leave it out in a script");
   }
-  if (arguments.record && !is_numbered) {
-    throw UsageError("with --takes --record needs a %n for the number of the take, for example takes/%n.csv");
+  for (const auto& [option, file, example] : {std::tuple("--record", arguments.record, "takes/%n.csv"),
+                                              {"--plot", arguments.plot, "takes/%n.svg"}}) {
+    if (!file || is_numbered(file)) continue;
+    throw UsageError(fmt::format("with --takes {} needs a %n for the number of the take, for example {}",
+                                 option, example));
   }
 }
 
 void refuse_plot_arguments(const RunArguments& arguments) {
   refuse_unknown_picture(arguments.plot);
   if (!arguments.plot) return;
-  if (arguments.takes)
-    throw UsageError("--plot is of one run, and --takes are many; leave out one of the two");
   if (!arguments.record || arguments.record == "-") {
     throw UsageError("--plot draws what --record has written to a file; add --record FILE");
+  }
+}
+
+/// From the record that was written. Of a take, its number stands for %n.
+void draw_run(const std::string& record, const std::string& picture, const Plan& plan,
+              const RunArguments& arguments, const std::string& of, const std::string& how) {
+  ReadRecord read = read_record(record, &*plan.rig());
+  read.plot.name = plan.move().name + of;
+  read.plot.summary = fmt::format("{} at {} Hz; {}", counted(read.ticks, "tick"), plan.rig()->rate_hz, how);
+  draw_run_plot(read.plot, picture, arguments.style);
+}
+
+void draw_pictures(const RunReport& report, const Plan& plan, const RunArguments& arguments) {
+  if (!arguments.plot) return;
+  if (!arguments.takes)
+    return draw_run(*arguments.record, *arguments.plot, plan, arguments, "", report.reason);
+  for (const RunTake& take : report.takes) {
+    draw_run(*take.file, numbered(*arguments.plot, take.number), plan, arguments,
+             fmt::format(", take {}", take.number), take.is_whole ? "whole" : "not played to its end");
   }
 }
 
@@ -243,6 +272,8 @@ int run_command(const RunArguments& arguments) {
   if (arguments.faults && !arguments.simulated) {
     throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
   }
+  if (arguments.steps && !arguments.simulated)
+    throw UsageError("--steps writes what simulated motors get; add --sim, or leave it out");
   const bool is_shot = arguments.is_shot();
   if (arguments.fast && ((arguments.loop && !is_shot) || arguments.ping_pong)) {
     throw UsageError("--loop and --ping-pong go on until somebody stops them; leave out --fast");
@@ -252,6 +283,7 @@ int run_command(const RunArguments& arguments) {
       {{"--json", arguments.json},
        {"--record", arguments.record},
        {"--plot", arguments.plot},
+       {"--steps", arguments.steps},
        {"--cue-log", arguments.cue_log},
        {"--shoot-log", arguments.shoot_log}});
   if (arguments.json) check_output(*arguments.json);
@@ -267,16 +299,11 @@ int run_command(const RunArguments& arguments) {
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
   }
-  print_run_summary(report, plan, arguments,
-                    summary_stream(arguments.json == "-" || arguments.cue_log == "-" ||
-                                   arguments.record == "-" || arguments.shoot_log == "-"));
-  if (arguments.plot) {
-    RunPlot picture = run_plot_of(*arguments.record, *plan.rig());
-    picture.name = plan.move().name;
-    picture.summary =
-        fmt::format("{} at {} Hz; {}", counted(report.ticks, "tick"), plan.rig()->rate_hz, report.reason);
-    draw_run_plot(picture, *arguments.plot, arguments.style);
-  }
+  print_run_summary(
+      report, plan, arguments,
+      summary_stream(arguments.json == "-" || arguments.cue_log == "-" || arguments.steps == "-" ||
+                     arguments.record == "-" || arguments.shoot_log == "-"));
+  draw_pictures(report, plan, arguments);
   return exit_status_of(report, arguments.is_shot());
 }
 
@@ -301,7 +328,10 @@ happens. Played backward to its beginning a move rests there until Enter plays i
 
 With --takes the rig waits where the move begins, and every take begins with Enter. At its end it waits again:
 Home goes back along the path, q leaves. --record takes/%n.csv writes a file a take, from the first number on
-that is free.
+that is free; --plot takes/%n.svg draws each of them when the drives are off.
+
+--record and --cue-log write no file over. What a disk that was full has not taken is counted, and the file ends
+with a whole line. inbetween plot draws a record again.
 
 --frames 20..80 plays a part of the move as a move of its own: from rest it is led into frame 20 as the move
 passes it, and out of frame 80 to rest. It has its own check (inbetween check --frames 20..80), way to the
@@ -362,7 +392,7 @@ void group_options(CLI::App& app) {
        {"--rig", "--sim", "--fast", "--from", "--positions", "--allow-jitter", "--faults", "--yes"}},
       {"What is played, and how fast",
        {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--rate", "--top-rate"}},
-      {"What is written", {"--json", "--record", "--plot", "--style", "--cue-log", "--latency"}}};
+      {"What is written", {"--json", "--record", "--plot", "--style", "--steps", "--cue-log", "--latency"}}};
   for (const auto& [group, names] : groups) {
     for (const char* name : names) app.get_option(name)->group(group);
   }
@@ -400,8 +430,10 @@ void describe(CLI::App& app, RunArguments& arguments) {
       "take, %n is its number");
   app.add_option("--plot", arguments.plot,
                  "with --record: draw where every axis was told to be, where it was, and how far behind\n"
-                 "(.svg, .png or .pdf)");
+                 "(.svg, .png or .pdf); with --takes a picture a take, %n is its number");
   add_style(app, arguments.style);
+  app.add_option("--steps", arguments.steps,
+                 "with --sim: write every edge on the STEP lines of the step-dir axes, a line an edge (CSV)");
   app.add_option("--cue-log", arguments.cue_log,
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");

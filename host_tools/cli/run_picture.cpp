@@ -3,14 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
+
+#include "host_tools/files/csv_table.hpp"
+#include "host_tools/files/diagnostics.hpp"
 
 namespace inbetween {
 namespace {
@@ -30,11 +36,12 @@ struct LastTick {
   std::vector<std::optional<double>> told;
 };
 
-/// A line of the record: tick, seconds, state, and for each axis what it was told and where it was.
-bool take_tick(std::string_view line, RunPlot& plot, LastTick& last) {
+/// A line of the record: tick, seconds, state, frame, and for each axis what it was told and where it was.
+bool take_tick(std::string_view line, bool has_frames, RunPlot& plot, LastTick& last) {
   const std::optional<double> number = take_number(line);
   const std::optional<double> seconds = take_number(line);
   take_number(line);  // the state is words
+  if (has_frames) take_number(line);
   if (!number || !seconds) return false;
   const bool is_next = *number == last.number + 1;
   for (std::size_t a = 0; a < plot.axes.size(); ++a) {
@@ -49,28 +56,67 @@ bool take_tick(std::string_view line, RunPlot& plot, LastTick& last) {
     last.told[a] = told;
   }
   last.number = *number;
-  return true;
+  return line.empty();
+}
+
+constexpr std::array<std::string_view, 3> first_columns{"tick", "seconds", "state"};
+constexpr std::string_view no_record =
+    "this is no record of inbetween run; name one that --record has written";
+
+/// Where a line of a record is wrong.
+[[noreturn]] void refuse(const std::string& record, std::int64_t line, std::string_view what) {
+  throw std::runtime_error(fmt::format("{}:{}: error: {}", record, line, what));
+}
+
+/// Makes the axes that the first line names. Returns whether it has a column of frames.
+bool take_head(const std::string& line, const std::string& record, RunPlot& plot) {
+  const std::vector<std::string> columns =
+      line.empty() ? std::vector<std::string>() : parse_csv(line, record).columns;
+  if (columns.size() < first_columns.size() + 2 ||
+      !std::equal(first_columns.begin(), first_columns.end(), columns.begin())) {
+    refuse(record, 1, no_record);
+  }
+  const std::size_t of_axes = columns.size() - first_columns.size();
+  const bool has_frames = of_axes % 2 == 1;  // every axis has two
+  for (std::size_t c = first_columns.size() + (has_frames ? 1 : 0); c < columns.size(); c += 2) {
+    if (columns[c + 1] != columns[c] + " actual") refuse(record, 1, no_record);
+    plot.axes.push_back({.name = columns[c], .unit = ""});
+  }
+  return has_frames;
+}
+
+void take_units(const RigFile& rig, const std::string& record, RunPlot& plot) {
+  for (RunPlotAxis& axis : plot.axes) {
+    const auto on_rig = std::ranges::find(rig.axes, axis.name, &RigAxis::name);
+    if (on_rig == rig.axes.end()) {
+      refuse(record, 1,
+             fmt::format("the rig {} has no axis {}; name the rig that was recorded", in_quotes(rig.name),
+                         in_quotes(axis.name)));
+    }
+    axis.unit = to_string(on_rig->unit);
+  }
 }
 
 }  // namespace
 
-RunPlot run_plot_of(const std::string& record, const RigFile& rig) {
-  RunPlot plot;
-  for (const RigAxis& axis : rig.axes) {
-    plot.axes.push_back({.name = axis.name, .unit = std::string(to_string(axis.unit))});
-  }
+ReadRecord read_record(const std::string& record, const RigFile* rig) {
   std::ifstream file(record);
-  std::string line;
-  LastTick last{.told = std::vector<std::optional<double>>(plot.axes.size())};
-  std::getline(file, line);
-  for (std::int64_t number = 2; std::getline(file, line); ++number) {
-    if (!take_tick(line, plot, last)) {
-      throw std::runtime_error(
-          fmt::format("{}:{}: error: this is no line of a record of this rig; name another file for --record",
-                      record, number));
-    }
+  if (!file) {
+    throw std::runtime_error(fmt::format("{}: error: cannot be read: {}; name a record that is there", record,
+                                         std::strerror(errno)));
   }
-  return plot;
+  ReadRecord read;
+  std::string line;
+  std::getline(file, line);
+  const bool has_frames = take_head(line, record, read.plot);
+  if (rig != nullptr) take_units(*rig, record, read.plot);
+  LastTick last{.told = std::vector<std::optional<double>>(read.plot.axes.size())};
+  // A line without an end was cut off when the disk was full.
+  while (std::getline(file, line) && !file.eof()) {
+    if (!take_tick(line, has_frames, read.plot, last)) refuse(record, read.ticks + 2, no_record);
+    ++read.ticks;
+  }
+  return read;
 }
 
 }  // namespace inbetween

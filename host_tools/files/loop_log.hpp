@@ -25,16 +25,16 @@ struct LoopLogEnd {
 
 /// How a log is written.
 struct LogWriting {
-  bool goes_on = false;  ///< at the end of a file that is there, instead of anew
+  bool goes_on = false;  ///< at the end of a file that is there, instead of in one that is not
   bool at_once = false;  ///< record by record, for a log of few
 };
 
-/// Writes text to a file, record by record. It stops writing at the first failure; a pipe that nobody reads
-/// for 1 s is a failure too. One thread uses it.
+/// Writes text to a file, a record a line. It stops writing at the first failure, at the end of a line; a
+/// pipe that nobody reads for 1 s is a failure too. One thread uses it.
 class PatientFile {
  public:
   /// "-" is standard output. Throws std::runtime_error, one line that starts with the name, if the file
-  /// cannot be opened.
+  /// cannot be opened, or is there already and it does not go on with it. Pipes and devices may be there.
   explicit PatientFile(const std::string& name, bool goes_on = false);
   ~PatientFile();
   PatientFile(const PatientFile&) = delete;
@@ -46,11 +46,14 @@ class PatientFile {
   void end_record();
   void flush();
 
+  /// Records that the file has whole.
   [[nodiscard]] std::int64_t written() const { return written_; }
   /// The first failure; "" without one.
   [[nodiscard]] const std::string& failure() const { return failure_; }
 
  private:
+  void keep_whole_lines(std::size_t sent);
+
   int file_;
   std::string text_;
   std::int64_t in_text_ = 0;

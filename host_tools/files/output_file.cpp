@@ -38,13 +38,6 @@ struct Discard {
   }
 };
 
-/// A pipe or a device is not replaced by a file of its name.
-bool is_special(const std::string& name) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(name, ignored);
-  return fs::exists(status) && !fs::is_regular_file(status);
-}
-
 /// The file that a symbolic link points to.
 fs::path behind_links(fs::path file) {
   constexpr int max_links = 40;  // as many as Linux follows
@@ -103,6 +96,12 @@ void write_directly(const std::string& name, const std::function<void(std::FILE*
 }
 
 }  // namespace
+
+bool is_special(const std::string& name) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(name, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
 
 void write_output(const std::string& name, const std::function<void(std::FILE*)>& write) {
   if (name == "-") {

@@ -7,6 +7,9 @@
 
 namespace inbetween {
 
+/// A pipe, a device, or a folder is there: what is no file of bytes is not replaced by one of its name.
+bool is_special(const std::string& name);
+
 /// Opens `name` ("-" is standard output), lets `write` fill it, and checks that all of it arrived. It writes
 /// beside the file and then renames, so that a full disk or an error leaves the old file as it was. The
 /// permissions stay, and a symbolic link still points to the file. A write-protected file is refused. It

@@ -27,7 +27,7 @@ TransportKey allowed(TransportKey key, const LoopAudience& audience) {
 
 }  // namespace
 
-void LoopTrace::take(const RunLoop& loop) {
+void LoopTrace::take(const RunLoop& loop, const LoopTask* act) {
   const bool commands = loop.sends_setpoints();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     AxisTrace& axis = axes_[i];
@@ -38,7 +38,7 @@ void LoopTrace::take(const RunLoop& loop) {
     if (commands) axis.commanded = loop.setpoints()[i].position;
   }
   commanded_ = commands;
-  if (record_ != nullptr) record_->take(loop);
+  if (record_ != nullptr) record_->take(loop, act != nullptr ? act->frame() : std::nullopt);
 }
 
 RunSnapshot LoopTrace::shown(const LoopTask& act) const {
@@ -67,7 +67,7 @@ ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
     }
     if (audience_.interrupted && audience_.interrupted()) act.press(TransportKey::quit);
     act.tick(1, time_of_tick(++tick_, rate_hz_));
-    trace_.take(loop_);
+    trace_.take(loop_, &act);
     ++end.ticks;
     if (end.ticks % 64 != 0 || wall_.now_ns() < next_show_ns_) continue;
     if (audience_.progress && last) audience_.progress(std::min(end.ticks, *last), *last);
@@ -143,7 +143,7 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
   }
   while (const std::optional<TransportKey> key = typed_.pop()) act_->press(*key);
   act_->tick(ticks, now_ns);
-  trace_.take(loop_);
+  trace_.take(loop_, act_);
   ++end_.ticks;
   if (--until_shown_ <= 0) {
     shown_.push(trace_.shown(*act_));

@@ -53,8 +53,9 @@ class LoopTrace {
  public:
   /// Every tick goes to `record` as well, if there is one.
   explicit LoopTrace(std::size_t axes, RunRecord* record = nullptr) : axes_(axes), record_(record) {}
-  /// After a tick. While setpoints are sent, an axis is as far behind as its actual position is from them.
-  void take(const RunLoop& loop);
+  /// After a tick of an act, or of none. While setpoints are sent, an axis is as far behind as its actual
+  /// position is from them.
+  void take(const RunLoop& loop, const LoopTask* act = nullptr);
   /// From now on every tick goes there, or nowhere. The loop's thread calls it.
   void record_to(RunRecord* record) { record_ = record; }
   [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "host_tools/loop/run_snapshot.hpp"
 #include "host_tools/loop/transport_keys.hpp"
@@ -19,6 +20,8 @@ class LoopTask {
   virtual void tick(std::int32_t ticks, std::int64_t now_ns) = 0;
   [[nodiscard]] virtual bool is_over() const = 0;
   [[nodiscard]] virtual RunSnapshot snapshot() const = 0;
+  /// Where a drawn move is on its time line, below 0 in a pre-roll; nothing where none is played.
+  [[nodiscard]] virtual std::optional<double> frame() const { return std::nullopt; }
   /// What is typed ahead is for the move that follows.
   [[nodiscard]] virtual bool is_preparation() const { return false; }
 };

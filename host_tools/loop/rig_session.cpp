@@ -55,7 +55,11 @@ std::vector<double> standing(const RigFile& rig, const RigReference& reference,
 
 std::unique_ptr<RigHardware> hardware_of(const RigFile& rig, const SessionOptions& options,
                                          const std::vector<double>& standing) {
-  if (options.simulated) return std::make_unique<SimulatedHardware>(rig, standing, options.faults);
+  if (options.simulated) {
+    auto hardware = std::make_unique<SimulatedHardware>(rig, standing, options.faults);
+    if (options.steps) hardware->log_steps(*options.steps, options.fast);
+    return hardware;
+  }
   refuse_falling_axes(rig);
   refuse_unavailable_lines(rig);
   return std::make_unique<MachineHardware>(rig, !options.allow_jitter);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "host_tools/files/loop_log.hpp"
@@ -11,19 +12,21 @@
 
 namespace inbetween {
 
-/// Comma-separated values, a line a tick: its number, seconds, the state of the supervisor, and per axis the
-/// setpoint and the position that its drive told; empty while no setpoint is sent.
+/// Comma-separated values, a line a tick: its number, seconds, the state of the supervisor, the frame on
+/// which the move is, and per axis the setpoint and the position that its drive told. Empty: no move is
+/// played, no setpoint is sent.
 ///
 /// A disk that is full, slow or gone never holds the loop up (LoopLog): what finds no room is counted, and
 /// the file has a gap there, which its numbers show.
 class RunRecord {
  public:
-  /// Throws std::runtime_error, one line that starts with the name, where the file cannot be opened. `waits`:
-  /// the loop has time, and waits for room instead.
+  /// Throws std::runtime_error, one line that starts with the name, where the file cannot be opened, or is
+  /// there already. `waits`: the loop has time, and waits for room instead.
   RunRecord(const std::string& file, const RigFile& rig, bool waits);
 
   /// The loop's thread calls it after a tick. It allocates nothing and makes no system call unless it waits.
-  void take(const RunLoop& loop);
+  /// `frame`: see LoopTask.
+  void take(const RunLoop& loop, std::optional<double> frame);
   /// Writes what is left; a reader that takes nothing for a second is given up. Records are ticks.
   LoopLogEnd finish() { return log_.finish("it was written more slowly than the rig moved"); }
 
@@ -31,6 +34,7 @@ class RunRecord {
   struct Tick {
     std::int64_t number = 0;
     SupervisorState state = SupervisorState::disarmed;
+    std::optional<double> frame;
     bool is_told = false;
     std::array<double, max_rig_axes> told;
     std::array<double, max_rig_axes> actual;

@@ -58,8 +58,8 @@ class Run {
         audience_(session_.options().audience) {
     const Plan& plan = staged.plan();
     report_.reason = "the move was played to its last frame";
+    if (plan.names_frames() && !options.shoot) report_.played = plan.part();
     if (!plan.is_whole()) {
-      report_.played = plan.part();
       report_.reason = frames_in_words(plan.part(), plan.move().frames) + " were played";
     }
     if (options.shoot && options.shoot->log) shoot_log_.emplace(*options.shoot->log, session_.options().fast);
@@ -87,6 +87,7 @@ class Run {
                               traced.following_error_peak});
     }
     report_.record = session_.end_record();
+    report_.steps = session_.hardware().end_step_log();
     report_.counts = session_.drives().counts();
     if (cues_) {
       report_.counts.pulses = counts_of(cues_->counters());
@@ -149,13 +150,13 @@ class Run {
 
   /// The name of the record of a take; nothing where none is wanted.
   [[nodiscard]] std::optional<std::string> file_of(std::int32_t take) const {
-    if (!options_.take_record) return std::nullopt;
-    std::string file = *options_.take_record;
-    return file.replace(file.find("%n"), 2, std::to_string(take));
+    return options_.take_record ? std::optional(numbered(*options_.take_record, take)) : std::nullopt;
   }
 
-  void open_take(std::int32_t take, Transport& transport) {
+  /// The take of the next number on that is free: no record is written over.
+  void open_take(std::int32_t& take, Transport& transport) {
     refuse_changed_rig(session_.rig().path, audience_.rig_has_changed);
+    while (file_of(take) && std::filesystem::exists(*file_of(take))) ++take;
     report_.takes.push_back({.number = take, .file = file_of(take)});
     if (const auto file = file_of(take)) {
       take_record_ = std::make_unique<RunRecord>(*file, session_.rig(), session_.options().fast);
@@ -173,7 +174,6 @@ class Run {
     transport.play_takes();
     reference_.about_to_move(staged_.loop_spec().drive_of);
     std::int32_t take = 1;
-    while (file_of(take) && std::filesystem::exists(*file_of(take))) ++take;
     bool is_open = false;
     ActEnd end;
     for (bool goes_on = true; goes_on;) {
@@ -182,7 +182,8 @@ class Run {
       const Transport::Ask asks = transport.asks();
       goes_on = end.begun && asks != Transport::Ask::none;
       if (asks == Transport::Ask::begin_take) {
-        open_take(take++, transport);
+        open_take(take, transport);
+        ++take;
         is_open = true;
       } else if (asks == Transport::Ask::end_take) {
         close_take(transport.was_whole());

@@ -57,6 +57,10 @@ void write_counted(const char* name, const char* named, const std::vector<Counte
 
 }  // namespace
 
+std::string numbered(std::string name, std::int32_t take) {
+  return name.replace(name.find("%n"), 2, std::to_string(take));
+}
+
 void write_run_json(const RunReport& report, std::FILE* file) {
   JsonWriter json(file);
   json.begin_object();
@@ -72,6 +76,7 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   if (report.exposures) json.member("exposures", *report.exposures);
   if (report.shoot) write_shoot(*report.shoot, json);
   if (report.record) write_log("record", "ticks", *report.record, json);
+  if (report.steps) write_log("steps", "edges", *report.steps, json);
   if (report.cue_log) write_log("cue_log", "pulses", *report.cue_log, json);
   if (report.shoot_log) write_log("shoot_log", "exposures", *report.shoot_log, json);
   if (!report.takes.empty()) write_takes(report.takes, json);

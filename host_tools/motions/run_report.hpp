@@ -31,6 +31,9 @@ struct RunTake {
   std::optional<LoopLogEnd> record = {};
 };
 
+/// A name with a %n, which is the number of a take: "takes/%n.csv" is "takes/3.csv".
+std::string numbered(std::string name, std::int32_t take);
+
 enum class Ending { finished, stopped, fault };
 
 struct RunReport {
@@ -38,13 +41,14 @@ struct RunReport {
   std::string reason;
   std::int64_t ticks = 0;
   std::int64_t late_ticks = 0;                 ///< woken a whole period or more after their deadline
-  std::optional<WholeFrames> played = {};      ///< of a part of a move
+  std::optional<WholeFrames> played = {};      ///< the frames of --frames
   std::optional<std::int64_t> exposures = {};  ///< of a move that is shot frame by frame
   std::optional<ShootCount> shoot = {};        ///< the same, in frames
   std::vector<RunAxis> axes;                   ///< every axis of the rig
   WakeLatency wake_latency;                    ///< all 0 on a virtual clock
   std::vector<RunTake> takes = {};
   std::optional<LoopLogEnd> record = {};
+  std::optional<LoopLogEnd> steps = {};  ///< records are edges
   std::optional<LoopLogEnd> cue_log = {};
   std::optional<LoopLogEnd> shoot_log = {};
   Counters counts = {};

@@ -62,6 +62,9 @@ class Shooting final : public LoopTask {
   [[nodiscard]] std::int64_t exposures() const { return shoot_.exposures(); }
   [[nodiscard]] ShootCount count() const;
   [[nodiscard]] RunSnapshot snapshot() const override;
+  [[nodiscard]] std::optional<double> frame() const override {
+    return spec_.playhead->time().frame + spec_.playhead->time().fraction;
+  }
 
  private:
   void look(int by);

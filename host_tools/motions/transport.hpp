@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "host_tools/loop/loop_runner.hpp"
 #include "host_tools/loop/loop_task.hpp"
@@ -65,6 +66,9 @@ class Transport final : public LoopTask {
   [[nodiscard]] bool was_whole() const { return was_whole_; }
 
   [[nodiscard]] RunSnapshot snapshot() const override;
+  [[nodiscard]] std::optional<double> frame() const override {
+    return playhead_.time().frame + playhead_.time().fraction;
+  }
 
  private:
   Status start();

@@ -346,6 +346,7 @@ Plan::Plan(MoveFile move, const Plan& other)
 Plan::Plan(MoveFile move, std::optional<RigFile> rig, const PlanOptions& options, const Plan* other)
     : move_(std::move(move)),
       part_(played_frames_of(options.frames, move_.frames, {move_.path, 0, 0})),
+      names_frames_(options.frames.first || options.frames.last),
       rig_(std::move(rig)),
       kinematics_(options.kinematics) {
   stand_at_one_key(move_);

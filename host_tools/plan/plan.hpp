@@ -63,6 +63,8 @@ class Plan {
   [[nodiscard]] std::vector<Warning> keys_outside() const;
   /// The frames of the move that are planned to be played.
   [[nodiscard]] const WholeFrames& part() const { return part_; }
+  /// They were named, be they all of them.
+  [[nodiscard]] bool names_frames() const { return names_frames_; }
   [[nodiscard]] bool is_whole() const { return part_ == WholeFrames{0, move_.frames}; }
   /// These frames on their time line, the axes track after track. On a rig it has a pre-roll where it starts
   /// moving and a post-roll where it ends moving, unless there is an obstacle.
@@ -115,6 +117,7 @@ class Plan {
 
   MoveFile move_;
   WholeFrames part_;
+  bool names_frames_ = false;
   std::optional<RigFile> rig_;
   std::vector<SolvedTrack> tracks_;
   std::vector<std::optional<FollowAccuracy>> accuracies_;  // of tracks_

@@ -288,7 +288,7 @@ void write_plan_json(const Plan& plan, PlanRows rows, std::FILE* file) {
     json.member("fps", move.fps.as_written);
   }
   json.member("frames", move.frames);
-  if (!plan.is_whole()) {
+  if (plan.names_frames()) {
     json.member("first", plan.part().first);
     json.member("last", plan.part().last);
   }

@@ -15,6 +15,7 @@
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/gpio/step_player.hpp"
+#include "host_tools/files/loop_log.hpp"
 #include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "inbetween/can/cia402_homing.hpp"
@@ -169,6 +170,8 @@ class RigHardware {
   virtual ~RigHardware() = default;
   /// Brings what is simulated to `now_ns`. Call it once a tick, before anything is read.
   virtual void advance(std::int64_t /*now_ns*/) {}
+  /// Ends the log of the edges that simulated steppers got, where there is one. Nothing is advanced after it.
+  virtual std::optional<LoopLogEnd> end_step_log() { return std::nullopt; }
   /// `axes` of the rig have their drives on this bus; all speak the same protocol, whose frames these are.
   /// Asked once for each protocol on a bus.
   template <class Frame>

@@ -1,5 +1,7 @@
 #include "host_tools/rig/simulated_hardware.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -107,6 +109,40 @@ class InputsInProcess final : public ChipInputs {
 
 }  // namespace
 
+void SimulatedHardware::log_steps(const std::string& file, bool waits) {
+  const auto is_stepper = [](const RigAxis& axis) {
+    return std::holds_alternative<StepDirDrive>(axis.drive);
+  };
+  if (std::ranges::none_of(rig_.axes, is_stepper)) {
+    throw InputError({rig_.path, 0, 0},
+                     fmt::format("the rig {} has no axis with a step-dir drive, and --steps writes what the "
+                                 "lines of these did; leave out --steps",
+                                 in_quotes(rig_.name)));
+  }
+  step_log_.emplace(file, motors_.rig.axes, waits);
+}
+
+/// The lines are low before the first instant, which may say so again: that is no edge.
+void SimulatedHardware::log_edges_of(SimulatedStepChip& chip, std::vector<std::size_t> motors,
+                                     std::vector<StepLines> lines) {
+  chip.tell_played([this, &chip, motors = std::move(motors), lines = std::move(lines),
+                    before = std::uint64_t{0}](const EdgeInstant& instant) mutable {
+    const std::uint64_t changed = chip.levels() ^ std::exchange(before, chip.levels());
+    for (std::size_t i = 0; i < motors.size(); ++i) {
+      if ((changed >> lines[i].step & 1) == 0) continue;
+      step_log_->take({.at_ns = instant.at_ns,
+                       .motor = motors[i],
+                       .step = (chip.levels() >> lines[i].step & 1) != 0,
+                       .dir = (chip.levels() >> lines[i].dir & 1) != 0,
+                       .steps = chip.stepper(i).count()});
+    }
+  });
+}
+
+std::optional<LoopLogEnd> SimulatedHardware::end_step_log() {
+  return step_log_ ? std::optional(step_log_->finish()) : std::nullopt;
+}
+
 void SimulatedHardware::advance(std::int64_t now_ns) {
   faults_.advance(now_ns);
   for (SimulatedStepChip& chip : chips_) chip.run(now_ns);
@@ -151,6 +187,7 @@ std::unique_ptr<ChipOutputs> SimulatedHardware::open_steps(const std::string& /*
         value_or_refuse(SimulatedStepper::make(settings, positions_[axes[i]]), axis.place, named(axis)));
     where_[axes[i]] = [&chip, number] { return chip.stepper(number).position(); };
   }
+  if (step_log_) log_edges_of(chip, {axes.begin(), axes.end()}, {wires.begin(), wires.end()});
   return std::make_unique<StepsInProcess>(chip);
 }
 

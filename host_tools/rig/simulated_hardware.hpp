@@ -15,6 +15,7 @@
 #include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/fault_schedule.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig/step_log.hpp"
 #include "sim/can_bus.hpp"
 #include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_inputs.hpp"
@@ -40,6 +41,11 @@ class SimulatedHardware final : public RigHardware {
     }
   }
 
+  /// From now on every edge on a STEP line goes there, before any is opened. Throws InputError where the rig
+  /// has no such line, and what StepLog throws.
+  void log_steps(const std::string& file, bool waits);
+  std::optional<LoopLogEnd> end_step_log() override;
+
   void advance(std::int64_t now_ns) override;
   std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
                                           std::span<const StepLines> wires) override;
@@ -61,6 +67,7 @@ class SimulatedHardware final : public RigHardware {
   [[nodiscard]] SimulatedInputs& inputs() { return inputs_.value(); }
 
  private:
+  void log_edges_of(SimulatedStepChip& chip, std::vector<std::size_t> motors, std::vector<StepLines> lines);
   std::unique_ptr<BusLink<can::Frame>> open_classic_bus(const std::string& bus,
                                                         std::span<const std::size_t> axes) override;
   std::unique_ptr<BusLink<can::FdFrame>> open_fd_bus(const std::string& bus,
@@ -76,6 +83,7 @@ class SimulatedHardware final : public RigHardware {
   std::deque<SimulatedFdBus> fd_buses_;
   std::vector<std::unique_ptr<SimulatedDrive>> drives_;
   std::deque<SimulatedStepChip> chips_;
+  std::optional<StepLog> step_log_;
   FaultSchedule faults_;
   std::optional<SimulatedInputs> inputs_;
   std::vector<std::function<double()>> where_;  ///< empty for a motor whose drive has not been opened

@@ -205,7 +205,7 @@ TEST(CueOutputs, AMoveThatStartsByATriggerWaitsASecondInSimulation) {
                         "\"pull-up\"\n";
   std::vector<double> begins;
   for (const auto& [m, r] : {std::pair{slide_and_pan, slider_rig}, std::pair{move, rig}}) {
-    const std::string file = folder.path() / "cues.csv";
+    const std::string file = folder.path() / (std::to_string(begins.size()) + ".csv");
     const Plan plan = plan_of(m, r);
     const RunReport report = run(plan, simulated, {.cue_log = file});
     EXPECT_EQ(report.ending, Ending::finished) << report.reason;

@@ -94,8 +94,23 @@ TEST(FrameRange, PlanShowsThePartWithItsRollsAndTheFrameNumbersOfTheWhole) {
   EXPECT_EQ(json["tracks"][0]["table"].back()["frame"], 120);
   EXPECT_EQ(part.size(), 1U + 41U + json["pre_roll"]["frames"].get<std::size_t>() +
                              json["post_roll"]["frames"].get<std::size_t>());
-  const Json plain = Json::parse(program("plan", {"--frames", "0..192", "--json", "-"}).out);
-  EXPECT_EQ(plain, Json::parse(program("plan", {"--json", "-"}).out)) << "the whole of it is the whole";
+}
+
+TEST(FrameRange, NamedFramesAreToldThoughTheyAreAll) {
+  for (const auto& [command, more] : {std::pair<const char*, std::vector<std::string>>{"plan", {}},
+                                      {"check", {}},
+                                      {"run", {"--sim", "--fast"}}}) {
+    std::vector<std::string> plain = more;
+    plain.insert(plain.end(), {"--json", "-"});
+    std::vector<std::string> named = plain;
+    named.insert(named.end(), {"--frames", "0..192"});
+    Json report = Json::parse(program(command, named).out);
+    EXPECT_EQ(report.value("first", -1), 0) << command;
+    EXPECT_EQ(report.value("last", -1), 192) << command;
+    report.erase("first");
+    report.erase("last");
+    EXPECT_EQ(report, Json::parse(program(command, plain).out)) << "the whole of it is the whole";
+  }
 }
 
 /// Two seconds too fast, in the middle; the ends at rest.
@@ -181,7 +196,7 @@ std::vector<std::string> told_in(const std::string& record) {
   while (std::getline(file, line)) {
     std::istringstream cells(line);
     std::string cell;
-    for (int i = 0; i < 4; ++i) std::getline(cells, cell, ',');
+    for (int i = 0; i < 5; ++i) std::getline(cells, cell, ',');
     if (!cell.empty()) told.push_back(cell);
   }
   return told;

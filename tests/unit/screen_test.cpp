@@ -88,7 +88,8 @@ TEST(ScreenText, ByHandEveryAxisHasItsLimits) {
 TEST(Screen, PlayPauseBackToTheBeginningStopAcknowledgeTakeTwoAndQuit) {
   const TemporaryFolder folder;
   const std::string takes = folder.path() / "%n.csv";
-  TerminalScreen screen({"run", reveal, "--rig", camera_rig, "--sim", "--takes", "--record", takes});
+  TerminalScreen screen({"run", reveal, "--rig", camera_rig, "--sim", "--takes", "--record", takes, "--plot",
+                         folder.path() / "%n.svg"});
   EXPECT_THAT(screen.wait_for("ready  frame 0.0 of 192"), HasSubstr("Enter starts from here, q leaves"));
   screen.press("Enter");
   screen.wait_for("playing  frame ");
@@ -120,7 +121,11 @@ TEST(Screen, PlayPauseBackToTheBeginningStopAcknowledgeTakeTwoAndQuit) {
   EXPECT_THAT(summary, HasSubstr("  take 2: not played to its end, "));
   EXPECT_THAT(summary, Not(HasSubstr("####"))) << "the histogram is only there with --latency";
   for (const char* take : {"1.csv", "2.csv"}) {
-    EXPECT_THAT(file_contents(folder.path() / take), StartsWith("tick,seconds,state,slide,"));
+    EXPECT_THAT(file_contents(folder.path() / take), StartsWith("tick,seconds,state,frame,slide,"));
+  }
+  for (const char* number : {"1", "2"}) {
+    EXPECT_THAT(file_contents(folder.path() / (std::string(number) + ".svg")),
+                HasSubstr("reveal, take " + std::string(number)));
   }
 }
 

@@ -145,7 +145,7 @@ TEST(TrajectoryTable, ItsCountsAreThoseOfARun) {
     std::stringstream words(line);
     std::string word;
     for (int column = 0; std::getline(words, word, ','); ++column) {
-      if (column == 3 || column == 5 || column == 7) row.push_back(std::stod(word));
+      if (column == 4 || column == 6 || column == 8) row.push_back(std::stod(word));
     }
     told.push_back(row);
   }
