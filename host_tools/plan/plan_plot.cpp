@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "host_tools/plan/axes_in_space.hpp"
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_rows.hpp"
+#include "host_tools/plan/space_track.hpp"
 #include "inbetween/base/bisection.hpp"
 
 namespace inbetween {
@@ -119,11 +122,38 @@ std::set<double> frames_of_keys(const PlotMove& plot) {
   return frames;
 }
 
-PlotPosture posture_at(const Plan& plan, const Tip& tip, double frame) {
+/// The point at which a tip is to look on a frame: that of a key of its track which is met then, or the link.
+std::optional<PlotPlace> aim_at(const Plan& plan, const PlotMove& plot, const Tip& tip, double frame,
+                                const std::vector<Pose>& poses) {
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const MoveTrack& track = plan.move().tracks[t];
+    const bool has_direction = track.space && !is_row_of_points(track);
+    if (!has_direction || track.space->tips.front() != tip.name) continue;
+    if (track.space->aim_node) {
+      const std::vector<std::string>& links = plan.kinematics()->links();
+      const auto link = std::ranges::find(links, *track.space->aim_node) - links.begin();
+      return place_in_plot(poses[static_cast<std::size_t>(link)].position);
+    }
+    const SpaceRows rows(*track.space);
+    const std::vector<double>& met = plot.tracks[t].key_frames;
+    const auto at = std::ranges::find(met, frame);
+    if (rows.aim.empty() || at == met.end()) return std::nullopt;
+    const auto key = static_cast<std::size_t>(at - met.begin()) % track.keys.size();
+    const std::vector<double> row = space_row(*track.space, track.keys[key]);
+    return PlotPlace{row[rows.aim[0]], row[rows.aim[1]], row[rows.aim[2]]};
+  }
+  return std::nullopt;
+}
+
+PlotPosture posture_at(const Plan& plan, const PlotMove& plot, const Tip& tip, double frame) {
   const auto whole = static_cast<std::int32_t>(frame);
   const std::vector<Pose> poses = link_poses(plan, {whole, frame - whole});
-  PlotPosture posture{
-      .frame = frame, .tip = place_in_plot(poses[static_cast<std::size_t>(tip.link)].position), .bones = {}};
+  const Pose& pose = poses[static_cast<std::size_t>(tip.link)];
+  PlotPosture posture{.frame = frame,
+                      .tip = place_in_plot(pose.position),
+                      .view = place_in_plot(pose.rotation.x),
+                      .aim = aim_at(plan, plot, tip, frame, poses),
+                      .bones = {}};
   const auto joints = plan.kinematics()->tree().joints();
   // Along the branch of the tip: axes of other branches may be in no track.
   for (std::int32_t link = tip.link; joints[static_cast<std::size_t>(link)].parent >= 0;) {
@@ -147,7 +177,7 @@ void sample_tips(const Plan& plan, PlotMove& plot) {
     }
     for (const double frame : frames_of_keys(plot)) {
       if (frame < plan.part().first || frame > plan.part().last) continue;
-      drawn.postures.push_back(posture_at(plan, tip, frame));
+      drawn.postures.push_back(posture_at(plan, plot, tip, frame));
     }
     plot.tips.push_back(std::move(drawn));
   }

@@ -37,8 +37,8 @@ struct TrackLayout {
 };
 
 struct Layout {
-  std::vector<TrackLayout> tracks;
-  std::vector<Box> tips;  // without their titles
+  std::vector<std::optional<TrackLayout>> tracks;  // those that are shown
+  std::vector<Box> tips;                           // without their titles: one for each, or for all
   Box positions;
   double height = 0;
 };
@@ -61,15 +61,43 @@ TrackLayout track_layout(const PlotMove& move, const PlotTrack& track, double y)
   return out;
 }
 
-Layout layout_of(const PlotMove& move) {
-  Layout out;
-  double y = page_margin + title_height;
+/// From `y` on; returns where they end.
+double lay_out_tracks(const PlotMove& move, bool has_all, double y, Layout& out) {
   for (const PlotTrack& track : move.tracks) {
+    if (!has_all && track.control_values.empty()) {
+      out.tracks.emplace_back();
+      continue;
+    }
     TrackLayout next = track_layout(move, track, y + track_title_height);
     next.title = y + 18;
     y = next.bar.bottom() + section_gap;
-    out.tracks.push_back(next);
+    out.tracks.emplace_back(next);
   }
+  return y;
+}
+
+/// The positions come first, in rows so low that a page without speed curves is no higher than a sheet.
+Layout layout_of_puppet(const PlotMove& move) {
+  Layout out;
+  constexpr double top = page_margin + title_height;
+  const double tips =
+      move.tips.empty() ? 0 : track_title_height + tips_height(move.tips.size()) + section_gap;
+  const double room = sheet_height - page_margin / 2 - top - section_gap - tips;
+  out.positions = {page_margin, top, content_width, std::min(positions_height(move), room)};
+  const double y = lay_out_tracks(move, false, out.positions.bottom() + section_gap, out);
+  double bottom = y - section_gap;
+  if (!move.tips.empty()) {
+    out.tips.push_back({page_margin, y + track_title_height, content_width, tips_height(move.tips.size())});
+    bottom = out.tips.back().bottom();
+  }
+  out.height = std::ceil(bottom + page_margin / 2);
+  return out;
+}
+
+Layout layout_of(const PlotMove& move) {
+  if (is_puppet(move)) return layout_of_puppet(move);
+  Layout out;
+  double y = lay_out_tracks(move, true, page_margin + title_height, out);
   for (std::size_t i = 0; i < move.tips.size(); ++i) {
     out.tips.push_back({page_margin, y + track_title_height, content_width, tip_height});
     y = out.tips.back().bottom() + section_gap;
@@ -120,11 +148,20 @@ void draw_track(Canvas& canvas, const TrackLayout& layout, const PlotMove& move,
   draw_time_bar(canvas, layout.bar, move, track, color);
 }
 
+constexpr std::string_view tips_in_words =
+    "in space, with the posture at each key (arrow: as it looks; cross: at what)";
+
+void draw_tips_section(Canvas& canvas, const Box& area, const PlotMove& move) {
+  draw_section_title(canvas, area.y - track_title_height + 18, fmt::format("Tips {}", tips_in_words),
+                     plot_color::quiet);
+  draw_tips(canvas, area, move);
+}
+
 void draw_tip_section(Canvas& canvas, const Box& area, const PlotMove& move, std::size_t index) {
   const PlotTip& tip = move.tips[index];
   const Color color = track_color(index);
-  draw_section_title(canvas, area.y - track_title_height + 18,
-                     fmt::format("{} in space, with the posture at each key", tip.name), color);
+  draw_section_title(canvas, area.y - track_title_height + 18, fmt::format("{} {}", tip.name, tips_in_words),
+                     color);
   draw_tip(canvas, area, move, tip, color);
 }
 
@@ -201,13 +238,25 @@ void require_consistent(const PlotMove& move) {
 
 }  // namespace
 
+bool is_puppet(const PlotMove& move) {
+  std::size_t axes = 0;
+  for (const PlotTrack& track : move.tracks) axes += track.control_values.empty() ? track.axes.size() : 0;
+  return axes > 3;
+}
+
 void draw_plot(const PlotMove& move, const std::filesystem::path& file, PictureStyle style) {
   require_consistent(move);
   const Layout layout = layout_of(move);
   Canvas canvas(file, page_width, layout.height, style);
   draw_page_title(canvas, move);
-  for (std::size_t i = 0; i < move.tracks.size(); ++i) draw_track(canvas, layout.tracks[i], move, i);
-  for (std::size_t i = 0; i < move.tips.size(); ++i) draw_tip_section(canvas, layout.tips[i], move, i);
+  for (std::size_t i = 0; i < move.tracks.size(); ++i) {
+    if (layout.tracks[i]) draw_track(canvas, *layout.tracks[i], move, i);
+  }
+  if (is_puppet(move)) {
+    if (!move.tips.empty()) draw_tips_section(canvas, layout.tips.front(), move);
+  } else {
+    for (std::size_t i = 0; i < move.tips.size(); ++i) draw_tip_section(canvas, layout.tips[i], move, i);
+  }
   draw_positions(canvas, layout.positions, move);
   std::vector<std::string_view> names;
   for (const PlotAxis& axis : move.axes) names.push_back(axis.name);

@@ -52,6 +52,8 @@ using PlotPlace = std::array<double, 3>;
 struct PlotPosture {
   double frame = 0;
   PlotPlace tip{};
+  PlotPlace view{};                   // the direction in which it looks, of length 1
+  std::optional<PlotPlace> aim = {};  // the point at which it is to look
   std::vector<std::pair<PlotPlace, PlotPlace>> bones;
 };
 
@@ -75,6 +77,9 @@ struct PlotMove {
   std::vector<PlotTip> tips = {};
 };
 
+/// More than 3 axes are timed by frames, without a speed curve.
+[[nodiscard]] bool is_puppet(const PlotMove& move);
+
 /// Draws one page, 1400 pixels wide and as tall as the move asks for, and writes it as SVG, PNG or PDF by the
 /// ending of the file's name. Per track: the path with a tick across it at every frame (Bartels and Hardtke
 /// 1989, Figures 4 to 6: crowded ticks are slow, sparse ones fast), the speed curve over its control values,
@@ -92,6 +97,10 @@ struct PlotMove {
 /// Cost: O(all samples). The size of the picture depends on its axes, keys and tracks, not on the number of
 /// frames: an SVG has about 100 kB a track and 20 kB an axis, and less than 1.5 MB with three axes of pure
 /// noise.
+///
+/// A puppet's move, more than 3 axes timed by frames (is_puppet), is another page, as high as a sheet of
+/// paper that wide (A4) or less: it begins with every axis over time, shows path, speed curve and time bar
+/// only of the tracks that have a speed curve, and of every tip the perspective alone.
 void draw_plot(const PlotMove& move, const std::filesystem::path& file,
                PictureStyle style = PictureStyle::light);
 

@@ -21,6 +21,7 @@ constexpr Color frame{0.72, 0.72, 0.74};
 constexpr Color paper{1, 1, 1};
 constexpr Color key{0.835, 0.369, 0};
 constexpr Color limit{0.58, 0.58, 0.61};
+constexpr Color aim{0.34, 0.46, 0.22};
 }  // namespace plot_color
 
 /// The colour of track `index`; they repeat after four.

@@ -178,6 +178,9 @@ Range range_in_frames(const PlotMove& move) {
   return {static_cast<double>(move.first_frame), static_cast<double>(move.last_frame)};
 }
 
+/// A row that is lower has its unit behind its name.
+constexpr double two_lines = 32;
+
 void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move, std::size_t index) {
   const PlotAxis& axis = move.axes[index];
   const Mover mover = mover_of(move, index);
@@ -193,10 +196,15 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   const TextStyle plain{.size = 11, .color = plot_color::quiet};
   const double room = area.x - left - 62;
   const double middle = area.y + area.height / 2;
-  std::string below = axis_title("", axis.unit, labels);
-  if (!below.empty()) below.erase(0, 1);  // the space behind the name
-  canvas.text({left, below.empty() ? middle + 4 : middle - 2}, elided(canvas, axis.name, bold, room), bold);
-  canvas.text({left, middle + 13}, elided(canvas, below, plain, room), plain);
+  if (area.height < two_lines) {
+    canvas.text({left, middle + 4}, elided(canvas, axis_title(axis.name, axis.unit, labels), bold, room),
+                bold);
+  } else {
+    std::string below = axis_title("", axis.unit, labels);
+    if (!below.empty()) below.erase(0, 1);  // the space behind the name
+    canvas.text({left, below.empty() ? middle + 4 : middle - 2}, elided(canvas, axis.name, bold, room), bold);
+    canvas.text({left, middle + 13}, elided(canvas, below, plain, room), plain);
+  }
   draw_limits(canvas, area, axis, y);
   const Color color = mover.track ? track_color(mover.index) : plot_color::quiet;
   // The samples of the line count from 0.
@@ -230,7 +238,10 @@ double row_height(std::size_t axes) {
 
 constexpr double above_rows = 52;
 constexpr double below_rows = 40;
-constexpr double row_gap = 12;
+/// Between the rows of so many axes.
+double row_gap(std::size_t axes) {
+  return axes <= 24 ? 12 : 4;
+}
 
 void draw_time_ticks(Canvas& canvas, const Box& rows, const PlotMove& move) {
   const TextStyle style{.size = 11, .color = plot_color::quiet, .align = Align::center};
@@ -276,8 +287,9 @@ void draw_time_bar(Canvas& canvas, const Box& panel, const PlotMove& move, const
 }
 
 double positions_height(const PlotMove& move) {
+  const double gap = row_gap(move.axes.size());
   const auto rows = static_cast<double>(move.axes.size());
-  return above_rows + rows * (row_height(move.axes.size()) + row_gap) - row_gap + below_rows;
+  return above_rows + rows * (row_height(move.axes.size()) + gap) - gap + below_rows;
 }
 
 std::string dots_in_words(const PlotMove& move) {
@@ -287,7 +299,9 @@ std::string dots_in_words(const PlotMove& move) {
 }
 
 void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move) {
-  const double height = row_height(move.axes.size());
+  const double gap = row_gap(move.axes.size());
+  const double height =
+      (panel.height - above_rows - below_rows + gap) / static_cast<double>(move.axes.size()) - gap;
   Box area{panel.x + left_room, panel.y + above_rows, panel.width - left_room - right_room, height};
   const bool rolls = move.first_frame < move.part.first || move.last_frame > move.part.last;
   draw_heading(
@@ -297,7 +311,7 @@ void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move) {
   draw_time_ticks(canvas, {area.x, area.y, area.width, panel.height - above_rows - below_rows}, move);
   for (std::size_t i = 0; i < move.axes.size(); ++i) {
     draw_row(canvas, area, panel.x, move, i);
-    area.y += height + row_gap;
+    area.y += height + gap;
   }
 }
 

@@ -23,6 +23,7 @@ void draw_time_bar(Canvas& canvas, const Box& panel, const PlotMove& move, const
 
 /// Every axis over time, one row each; seconds above, frames below.
 [[nodiscard]] double positions_height(const PlotMove& move);
+/// In the height of the panel: lower rows than usual where that is less than positions_height.
 void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move);
 
 }  // namespace inbetween

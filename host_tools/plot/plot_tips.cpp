@@ -81,8 +81,24 @@ std::vector<PlotPlace> all_places(const PlotTip& tip) {
   std::vector<PlotPlace> places = tip.places;
   for (const PlotPosture& posture : tip.postures) {
     for (const auto& [from, to] : posture.bones) places.insert(places.end(), {from, to});
+    if (posture.aim) places.push_back(*posture.aim);
   }
   return places;
+}
+
+/// As the tip looks: to the point at which it is to look, and otherwise a short way.
+struct Look {
+  PlotPlace from{}, to{};
+};
+Look look_of(const PlotPosture& posture, double metres) {
+  PlotPlace to = posture.tip;
+  double away = 0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (posture.aim) away += std::pow((*posture.aim)[d] - posture.tip[d], 2);
+  }
+  if (away > 0) metres = std::min(metres, std::sqrt(away));
+  for (std::size_t d = 0; d < 3; ++d) to[d] += metres * posture.view[d];
+  return {posture.tip, to};
 }
 
 /// One scale for both directions, in which `points` fill the area.
@@ -90,6 +106,7 @@ struct PictureScale {
   Scale x, y;
 
   [[nodiscard]] Point operator()(Point point) const { return {x(point.x), y(point.y)}; }
+  [[nodiscard]] double pixels_per_metre() const { return std::fabs(x(1) - x(0)); }
 };
 
 PictureScale fitted(const std::vector<Point>& points, const Box& area) {
@@ -161,6 +178,30 @@ void draw_directions(Canvas& canvas, const Box& area) {
   }
 }
 
+/// An arrow as it looks, and where it is to look a cross with a dotted line to it.
+void draw_look(Canvas& canvas, const PlotPosture& posture, const Projection& projection,
+               const PictureScale& scale) {
+  constexpr double pixels = 34;
+  constexpr double head = 5;
+  const Look look = look_of(posture, pixels / scale.pixels_per_metre());
+  const Point from = scale(projection(look.from));
+  const Point to = scale(projection(look.to));
+  if (posture.aim) {
+    const Point aim = scale(projection(*posture.aim));
+    canvas.line(from, aim, {plot_color::aim.faded(0.5), 1, true});
+    canvas.line({aim.x - head, aim.y - head}, {aim.x + head, aim.y + head}, {plot_color::aim, 2});
+    canvas.line({aim.x - head, aim.y + head}, {aim.x + head, aim.y - head}, {plot_color::aim, 2});
+  }
+  const double length = std::hypot(to.x - from.x, to.y - from.y);
+  if (length < 2) return;  // towards the eye, or away from it
+  const Point along{(to.x - from.x) / length, (to.y - from.y) / length};
+  canvas.line(from, to, {plot_color::aim, 1.8});
+  canvas.polygon(std::vector<Point>{{to.x + head * along.x, to.y + head * along.y},
+                                    {to.x - 0.6 * head * along.y, to.y + 0.6 * head * along.x},
+                                    {to.x + 0.6 * head * along.y, to.y - 0.6 * head * along.x}},
+                 plot_color::aim);
+}
+
 void draw_postures(Canvas& canvas, const Box& area, const PlotTip& tip, const Projection& projection,
                    const PictureScale& scale, const std::vector<Point>& way) {
   const auto every =
@@ -177,6 +218,7 @@ void draw_postures(Canvas& canvas, const Box& area, const PlotTip& tip, const Pr
   }
   for (std::size_t i = 0; i < tip.postures.size(); i += every) {
     const Point at = scale(projection(tip.postures[i].tip));
+    draw_look(canvas, tip.postures[i], projection, scale);
     canvas.disc(at, 4, plot_color::key);
     // A label without room is left out: the frames of all keys stand below the speed curves too.
     static_cast<void>(labels.place(canvas, at, fmt::format("{}", std::round(10 * tip.postures[i].frame) / 10),
@@ -184,8 +226,12 @@ void draw_postures(Canvas& canvas, const Box& area, const PlotTip& tip, const Pr
   }
 }
 
+std::string_view name_of(View view) {
+  return view == View::plan ? "Plan" : view == View::elevation ? "Elevation" : "Perspective";
+}
+
 void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const PlotTip& tip, View view,
-               Color color) {
+               Color color, std::string_view name) {
   const Box area{panel.x + 48, panel.y + 48, panel.width - 48 - 8, panel.height - 48 - 42};
   std::vector<PlotPlace> places = all_places(tip);
   const auto lowest = std::ranges::min_element(places, {}, [](const PlotPlace& place) { return place[2]; });
@@ -212,9 +258,6 @@ void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const Plo
   const std::string ticks = every == 1
                                 ? "a tick at every frame"
                                 : fmt::format("a tick at every {}{} frame", every, every == 2 ? "nd" : "th");
-  const std::string_view name = view == View::plan        ? "Plan"
-                                : view == View::elevation ? "Elevation"
-                                                          : "Perspective";
   const std::string remarks = view == View::perspective ? "grey below: the way on the floor" : ticks;
   draw_heading(canvas, {panel.x, panel.y + 14}, name, remarks, panel.width);
 }
@@ -225,9 +268,34 @@ void draw_tip(Canvas& canvas, const Box& area, const PlotMove& move, const PlotT
   const double width = (area.width - 2 * view_gap) / 3;
   Box panel{area.x, area.y, width, area.height};
   for (const View view : {View::plan, View::elevation, View::perspective}) {
-    draw_view(canvas, panel, move, tip, view, color);
+    draw_view(canvas, panel, move, tip, view, color, name_of(view));
     panel.x += width + view_gap;
   }
+}
+
+namespace {
+
+constexpr double low_tip_height = 330;
+
+std::size_t tips_across(std::size_t tips) {
+  return tips <= 4 ? tips : std::max<std::size_t>(4, (tips + 1) / 2);
+}
+
+}  // namespace
+
+void draw_tips(Canvas& canvas, const Box& area, const PlotMove& move) {
+  const std::size_t across = tips_across(move.tips.size());
+  const auto columns = static_cast<double>(std::max<std::size_t>(across, 3));
+  const double width = (area.width - (columns - 1) * view_gap) / columns;
+  for (std::size_t i = 0; i < move.tips.size(); ++i) {
+    const Box panel{area.x + static_cast<double>(i % across) * (width + view_gap),
+                    area.y + static_cast<double>(i / across) * low_tip_height, width, low_tip_height};
+    draw_view(canvas, panel, move, move.tips[i], View::perspective, track_color(i), move.tips[i].name);
+  }
+}
+
+double tips_height(std::size_t tips) {
+  return tips == 0 ? 0 : low_tip_height * static_cast<double>((tips - 1) / tips_across(tips) + 1);
 }
 
 }  // namespace inbetween

@@ -555,6 +555,26 @@ speed = [0, 0, 3, 0, 0]
     EXPECT_EQ(axis.line[frame * samples], axis.positions[frame]);
 }
 
+TEST(Plot, AKeyInSpaceShowsWhereTheCameraLooksAndAtWhat) {
+  const RigFile rig = read_rig_file(examples + "crane/rig.toml");
+  const Plan plan(read_move_file(examples + "crane/round_the_puppet.toml"), rig,
+                  {.kinematics = std::make_shared<const Kinematics>(read_kinematics(rig))});
+  const PlotMove plot = plot_of(plan);
+  ASSERT_THAT(plot.tips, SizeIs(1));
+  ASSERT_THAT(plot.tips[0].postures, SizeIs(4));
+  for (const PlotPosture& posture : plot.tips[0].postures) {
+    ASSERT_TRUE(posture.aim.has_value());
+    const PlotPlace puppet{4.2, 2.4, 1};
+    double way = 0, along = 0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      EXPECT_NEAR((*posture.aim)[d], puppet[d], 1e-9);
+      way += std::pow(puppet[d] - posture.tip[d], 2);
+      along += (puppet[d] - posture.tip[d]) * posture.view[d];
+    }
+    EXPECT_NEAR(along, std::sqrt(way), 1e-6) << "on frame " << posture.frame << " it looks at the puppet";
+  }
+}
+
 TEST(Plot, AHeldKeyIsWhereItRestsAndForAsLong) {
   const PlotMove plot = plot_of(Plan(parse_move(R"(name = "held"
 fps = 24

@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host_tools/plot/plot_canvas.hpp"
@@ -299,6 +300,68 @@ TEST(Plot, ASpeedThatDoesNotFollowTheCurveIsDrawnBesideIt) {
   const std::size_t without = count_of(svg_of(move), "stroke-dasharray:");
   for (std::size_t j = 15; j <= 30; ++j) move.tracks[0].speed[j] *= 1.3;
   EXPECT_EQ(count_of(svg_of(move), "stroke-dasharray:"), without + 1);
+}
+
+/// Two axes a track, timed by frames, and tips that walk along.
+PlotMove puppet_move(std::size_t tracks, std::size_t tips) {
+  PlotMove move = empty_move(96);
+  for (std::size_t t = 0; t < tracks; ++t) {
+    add_straight_track(move, {40, -25});
+    move.tracks.back().control_values.clear();
+    move.tracks.back().curve.clear();
+  }
+  for (std::size_t i = 0; i < tips; ++i) {
+    PlotTip tip{.name = "hand", .places = {}, .postures = {}};
+    for (int frame = 0; frame <= move.frames; ++frame) tip.places.push_back({0.01 * frame, 0.1, 0.5});
+    tip.postures.push_back({.frame = 0, .tip = tip.places[0], .view = {1, 0, 0}, .bones = {}});
+    tip.postures.back().bones.push_back({{0, 0, 0}, tip.places[0]});
+    move.tips.push_back(tip);
+  }
+  return move;
+}
+
+/// The upper end of the first row of an axis over time, which is as wide as nothing else on the page.
+double top_of_positions(const std::string& svg) {
+  double top = 1e9;
+  for (const std::string& shape : shapes_of(svg)) {
+    const auto numbers = numbers_of(shape);
+    if (numbers.size() != 10) continue;  // four corners, and the first again
+    double left = 1e9, right = 0, upper = 1e9;
+    for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+      left = std::min(left, numbers[i]);
+      right = std::max(right, numbers[i]);
+      upper = std::min(upper, numbers[i + 1]);
+    }
+    if (std::abs(right - left - 1002) < 2) top = std::min(top, upper);
+  }
+  return top;
+}
+
+TEST(Plot, OfAPuppetBeginsWithItsAxesOverTimeAndStaysOnASheet) {
+  constexpr double sheet = 1400 * 1.4143;  // A4, upright
+  for (const auto& [tracks, tips] : {std::pair<std::size_t, std::size_t>{2, 0}, {7, 4}, {32, 8}}) {
+    const std::string svg = svg_of(puppet_move(tracks, tips));
+    EXPECT_LE(page_height(svg), sheet) << tracks;
+    EXPECT_LT(top_of_positions(svg), 200) << tracks;
+    expect_all_on_the_page(svg);
+  }
+  const std::string drawn = svg_of(straight_move(96, {100, 40, 20, 10, 10, 10}));
+  EXPECT_GT(top_of_positions(drawn), 600) << "the path comes first where a speed is drawn";
+}
+
+TEST(Plot, WhereATipLooksIsAnArrowAndItsTargetACrossAtTheEndOfADashedLine) {
+  PlotMove move = straight_move(96, {100, 40});
+  move.tips = puppet_move(2, 1).tips;
+  move.tips[0].postures[0].view = {};
+  const std::string blind = svg_of(move);
+  move.tips[0].postures[0].view = {1, 0, 0};
+  const std::string looking = svg_of(move);
+  EXPECT_GT(shapes_of(looking).size(), shapes_of(blind).size());
+  move.tips[0].postures[0].aim = {2, 0.1, 0.5};
+  const std::string aimed = svg_of(move);
+  constexpr std::size_t views = 3;
+  EXPECT_EQ(count_of(aimed, "stroke-dasharray:"), count_of(looking, "stroke-dasharray:") + views);
+  expect_all_on_the_page(aimed);
 }
 
 TEST(Plot, TicksThatWouldRunTogetherAreThinnedToARoundNumberOfFrames) {

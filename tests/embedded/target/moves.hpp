@@ -273,6 +273,7 @@ inline constexpr std::array moves{
          .frames = 72},
     Move{.name = "network",
          .axis_count = 2,
+         .keys = {},
          .key_frames = data::network_frames,
          .cubics = data::network_cubics,
          .knots = data::network_knots},
