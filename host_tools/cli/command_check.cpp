@@ -18,6 +18,7 @@
 #include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/files/toml_source.hpp"
 #include "host_tools/fit/cure.hpp"
+#include "host_tools/fit/fewer_values.hpp"
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/fit_output.hpp"
 #include "host_tools/fit/fit_plot.hpp"
@@ -90,6 +91,10 @@ Searched search(const CheckArguments& arguments, const Plan& plan, const CheckRe
     if (fewest.fit.found) found.smallest.with_other_curve = fewest.move.frames;
     found.smallest.may_be_refined = arguments.fit.has_value();
     if (arguments.fit) found.fitted = std::move(fewest);
+  }
+  if (found.fitted && found.fitted->fit.found) {
+    const Plan fitted(found.fitted->move, plan);
+    add_fewer_values(fitted, found.fitted->fit, options);
   }
   if (!arguments.fit) found.cure = find_cure(plan, report, found.smallest);
   // Nor is it said as the reason why no number of frames would do.

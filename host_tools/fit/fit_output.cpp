@@ -27,9 +27,26 @@ void write_fit(JsonWriter& json, const SpeedFit& fit, std::int32_t frames) {
       json.member("largest_change", track.largest_change);
       json.member("alpha", track.largest_change_at);
       json.member("frame", track.largest_change_frame);
+      if (!track.fewer) return;
+      json.object("fewer_values", [&] {
+        json.member("speed", track.fewer->speed);
+        json.member("further_share", track.fewer->further_share);
+      });
     });
   });
 }
+
+namespace {
+
+/// With the curve itself, where it can be written in place of the drawn one and nothing else has to go.
+void print_fewer(const FewerValues& fewer, const MoveTrack& drawn, std::FILE* out) {
+  const bool is_alone = !drawn.ease_in && !drawn.ease_out && !drawn.through && !drawn.rest;
+  fmt::print(out, "  editable in {} values: {:.2g} % further from yours{}\n", fewer.speed.size(),
+             100 * fewer.further_share,
+             is_alone ? fmt::format(": speed = [{}]", fmt::join(fewer.speed, ", ")) : "");
+}
+
+}  // namespace
 
 void print_fit(const Plan& plan, const SpeedFit& fit, std::int32_t frames, const std::string& file,
                std::FILE* out) {
@@ -52,6 +69,7 @@ void print_fit(const Plan& plan, const SpeedFit& fit, std::int32_t frames, const
         "{:.1f}\n",
         track.change, 100 * track.change_share, track.largest_change, track.largest_change_at,
         track.largest_change_frame);
+    if (track.fewer) print_fewer(*track.fewer, plan.move().tracks[track.track], out);
   }
   if (fit.was_ended) fmt::print(out, "the search was ended before its end: there may be a nearer curve\n");
   if (frames == plan.move().frames) {

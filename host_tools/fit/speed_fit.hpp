@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ enum class FitStart : std::uint8_t {
   curvature,  ///< one that makes the acceleration across the path even: curvature_start()
 };
 
+/// A curve of fewer control values with which the move fits too (fewer_values.hpp).
+struct FewerValues {
+  std::vector<double> speed;
+  double further_share =
+      0;  ///< so much further from the played curve than the fitted one, of the mean of phi
+};
+
 /// A track with another speed curve.
 struct TrackFit {
   std::size_t track = 0;
@@ -33,6 +41,7 @@ struct TrackFit {
   double largest_change = 0;     ///< of the magnitude, with the sign of the change
   double largest_change_at = 0;  ///< a
   double largest_change_frame = 0;
+  std::optional<FewerValues> fewer = {};  ///< of a curve that is too long to be edited, where one was found
 };
 
 /// How often the played curve is given twice as many control values at most.

@@ -7,12 +7,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host_tools/files/speed_rewrite.hpp"
+#include "host_tools/fit/fewer_values.hpp"
 #include "host_tools/fit/fewest_fit.hpp"
+#include "host_tools/fit/fit_output.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"
 
@@ -101,6 +105,49 @@ TEST(SpeedFit, APeakIsFlattenedAndTheRestRaisedUntilTheVelocityFits) {
   EXPECT_LT(track.change, std::abs(track.largest_change));
   EXPECT_NEAR(track.change_share, track.change / area_per_span(plan), 1e-9);
   for (const std::size_t rest : {0U, 1U, 6U, 7U}) EXPECT_EQ(track.speed[rest], 0);
+}
+
+/// A curve that somebody has drawn with a pen: as many values as the pen gave.
+std::string drawn_by_pen(int values) {
+  std::string speed = "speed = [0, 0";
+  for (int i = 2; i < values - 2; ++i)
+    speed += fmt::format(", {:.3f}", 6 + 5 * std::sin(0.12 * i) + 0.4 * std::sin(2.1 * i));
+  return speed + ", 0, 0]\n";
+}
+
+TEST(SpeedFit, ACurveOfManyValuesSaysInHowFewItStaysEditableAndHowMuchFurtherThatIs) {
+  const std::string move = move_of(bends + drawn_by_pen(60));
+  const Limits limits{.velocity = 80, .acceleration = 4000};
+  const Plan plan = plan_of(move, limits);
+  SpeedFit fit = fit_of(plan);
+  ASSERT_TRUE(fit.found) << fit.reason;
+  ASSERT_THAT(fit.tracks, SizeIs(1));
+  EXPECT_GE(fit.tracks[0].speed.size(), 60U);
+  add_fewer_values(plan, fit, {});
+  ASSERT_TRUE(fit.tracks[0].fewer.has_value());
+  const FewerValues& fewer = *fit.tracks[0].fewer;
+  EXPECT_LE(fewer.speed.size(), 48U);
+  EXPECT_GE(fewer.further_share, 0);
+  EXPECT_LT(fewer.further_share, 0.3);
+  EXPECT_TRUE(check(plan_of(with_speed(move, "move.toml", 0, fewer.speed), limits)).fits());
+
+  char* said = nullptr;
+  std::size_t size = 0;
+  std::FILE* const out = open_memstream(&said, &size);
+  print_fit(plan, fit, 96, "fitted.toml", out);
+  std::fclose(out);
+  EXPECT_THAT(said,
+              HasSubstr(fmt::format("\n  editable in {} values: {:.2g} % further from yours: speed = [0, 0",
+                                    fewer.speed.size(), 100 * fewer.further_share)));
+  std::free(said);
+}
+
+TEST(SpeedFit, ACurveOfFewValuesIsEditableAsItIs) {
+  const Plan plan = plan_of(move_of(bends + peaked), {.velocity = 110, .acceleration = 4000});
+  SpeedFit fit = fit_of(plan);
+  ASSERT_TRUE(fit.found) << fit.reason;
+  add_fewer_values(plan, fit, {});
+  EXPECT_FALSE(fit.tracks[0].fewer.has_value());
 }
 
 TEST(SpeedFit, AccelerationAndJerkFitToo) {
