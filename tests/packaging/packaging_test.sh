@@ -37,6 +37,11 @@ for page in $pages; do
   expect "$page has a line for whatis" 1 \
     "$(grep --count '^inbetween.* \\- [A-Za-z]' "$scratch/usr/share/man/man1/$page")"
 done
+for command in $commands; do
+  expect "each example of $command is a line of its page" \
+    "$(inbetween "$command" --help | sed --quiet '/^Examples:$/,$s/^  //p')" \
+    "$(sed --quiet '/^\.nf$/,/^\.fi$/{//d; s/\\-/-/g; s/\\e/\\/g; p}' "$scratch/usr/share/man/man1/inbetween-$command.1")"
+done
 
 # --- completion ---
 in_bash() { # in_bash WORD...: what the last word is completed to

@@ -4,12 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host_tools/files/fault_script.hpp"
@@ -17,6 +19,7 @@
 #include "host_tools/files/rig_file.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/run_program.hpp"
 
 namespace inbetween {
 namespace formats_document_test {
@@ -252,6 +255,75 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
       at = end + 2;
     }
     EXPECT_EQ(documented, accepted) << field;
+  }
+}
+
+/// As GitHub names a heading in links: lower case, spaces as hyphens, and no other signs than _ and -.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const char c : heading) {
+    if (c == ' ') anchor += '-';
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-')
+      anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return anchor;
+}
+
+/// The headings below the title, and behind the table of contents, as links of that table.
+std::vector<std::string> headings_as_links() {
+  std::vector<std::string> links;
+  bool inside = false;
+  for (const std::string& line : lines_of_document()) {
+    if (line.starts_with("```")) inside = !inside;
+    if (inside || !line.starts_with("##") || line == "## Contents") continue;
+    const std::string heading = line.substr(line.find_first_not_of("# "));
+    links.push_back(fmt::format("[{}](#{})", heading, anchor_of(heading)));
+  }
+  return links;
+}
+
+TEST(FormatsDocument, ItsContentsAreItsHeadingsInTheirOrder) {
+  std::vector<std::string> contents;
+  bool inside = false;
+  for (const std::string& line : lines_of_document()) {
+    if (line.starts_with("## ")) inside = line == "## Contents";
+    for (std::size_t end = line.find("(#"); inside && end != std::string::npos;
+         end = line.find("(#", end + 1)) {
+      // A heading such as `[[track]]` has brackets of its own.
+      const std::size_t close = line.find(')', end);
+      std::size_t begin = line.rfind("), ", end);
+      if (begin == std::string::npos) begin = line.rfind("): ", end);
+      begin = begin == std::string::npos ? line.find('[') : begin + 3;
+      contents.push_back(line.substr(begin, close + 1 - begin));
+    }
+  }
+  EXPECT_EQ(contents, headings_as_links());
+}
+
+TEST(FormatsDocument, ItsLinksLeadToItsHeadings) {
+  std::set<std::string> anchors;
+  for (const std::string& link : headings_as_links()) {
+    EXPECT_TRUE(anchors.insert(link.substr(link.rfind("(#"))).second) << link << " is there twice";
+  }
+  const std::string here = "](#", elsewhere = "formats.md#";
+  for (const auto& [document, mark] : {std::pair("docs/formats.md", here),
+                                       {"docs/camera.md", elsewhere},
+                                       {"docs/puppet.md", elsewhere},
+                                       {"README.md", elsewhere}}) {
+    const std::string text = file_contents(in_checkout(document));
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + 1)) {
+      const std::size_t sign = at + mark.size() - 1;
+      const std::string link = "(" + text.substr(sign, text.find(')', sign) + 1 - sign);
+      EXPECT_TRUE(anchors.contains(link)) << document << " links to " << link;
+    }
+  }
+}
+
+TEST(FormatsDocument, TheFirstPagesForACameraAndAPuppetAreATenthOfItAtMost) {
+  const std::string formats = file_contents(in_checkout("docs/formats.md"));
+  for (const char* page : {"docs/camera.md", "docs/puppet.md"}) {
+    EXPECT_LE(10 * file_contents(in_checkout(page)).size(), formats.size()) << page;
+    EXPECT_THAT(file_contents(in_checkout("README.md")), testing::HasSubstr(fmt::format("]({})", page)));
   }
 }
 
