@@ -129,10 +129,21 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   if (report.shoot_log) print_log(*report.shoot_log, "exposures", *arguments.shoot_log, out);
 }
 
+struct TurnsOfRun {
+  Plan plan;
+  std::optional<PlayedTurns> turns = {};
+};
+
+std::string turns_in_title(const std::optional<PlayedTurns>& turns) {
+  return turns && !turns->goes_round ? ", " + counted(turns->turns, "turn") : "";
+}
+
 /// On a terminal a run has the keys of a tape recorder, elsewhere only a progress bar.
-RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& watch) {
+RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const RigWatch& watch) {
+  const Plan& plan = planned.plan;
   const InterruptWatch interrupts;
-  RunOptions options{.top_rate = arguments.top_rate,
+  RunOptions options{.turns = planned.turns,
+                     .top_rate = arguments.top_rate,
                      .rate = arguments.rate,
                      .has_takes = arguments.takes,
                      .take_record = arguments.takes ? arguments.record : std::nullopt,
@@ -171,9 +182,9 @@ RunReport play(const Plan& plan, const RunArguments& arguments, const RigWatch& 
     return run(plan, rig, options);
   }
   KeyTerminal terminal;
-  RunScreen screen(
-      fmt::format("{} on {}{}", plan.move().name, plan.rig()->name, arguments.simulated ? ", simulated" : ""),
-      *plan.rig());
+  RunScreen screen(fmt::format("{} on {}{}{}", plan.move().name, plan.rig()->name,
+                               arguments.simulated ? ", simulated" : "", turns_in_title(planned.turns)),
+                   *plan.rig());
   rig.audience.status = [&](const RunSnapshot& now) { screen.show(now); };
   rig.audience.keys = [&] { return terminal.read(); };
   if (!rig.audience.confirm) {
@@ -193,21 +204,44 @@ void refuse_no_camera(const Plan& plan) {
                                in_quotes(plan.rig()->name)));
 }
 
-/// A periodic move in as many turns as there can be; shot frame by frame, in one.
-Plan looped(Plan plan, const RunArguments& arguments) {
+/// A periodic move that comes back goes round until it is stopped, and one that goes further with every turn
+/// as often as the rig has room, which is told before it moves; shot frame by frame, either is one turn.
+TurnsOfRun looped(Plan plan, const RunArguments& arguments) {
   const bool is_shot = arguments.is_shot();
-  if (is_periodic(plan.move()) && !is_shot) {
-    if (arguments.frames) {
-      throw UsageError(
-          "--loop goes round the whole of a periodic move; leave out --frames, or name frames of --turns K");
-    }
-    const std::int32_t turns = max_turns_of(plan);
-    fmt::print(stderr, "{}: --loop plays up to {}\n", plan.move().name, counted(turns, "turn"));
-    return {turns_of(plan, turns), plan.rig(), {.kinematics = plan.kinematics()}};
+  if (!is_shot && !is_periodic(plan.move())) return {std::move(plan)};
+  if (is_shot && !is_periodic(plan.move())) {
+    throw UsageError(
+        "a move that is shot frame by frame is not repeated unless it is periodic; leave out --loop");
   }
-  if (!is_shot || is_periodic(plan.move())) return plan;
-  throw UsageError(
-      "a move that is shot frame by frame is not repeated unless it is periodic; leave out --loop");
+  if (is_shot) return {std::move(plan)};
+  if (arguments.frames) {
+    throw UsageError(
+        "--loop goes round the whole of a periodic move; leave out --frames, or name frames of --turns K");
+  }
+  PlayedTurns turns{.frames = plan.move().frames};
+  if (comes_back(plan.move())) {
+    turns = turns_to_go_round(plan);
+    fmt::print(stderr, "{}: --loop goes round until it is stopped\n", plan.move().name);
+  } else {
+    const FittingTurns fitting = fitting_turns(plan);
+    turns.turns = fitting.turns;
+    fmt::print(stderr, "{}: --loop plays {}, as many as fit: {}\n", plan.move().name,
+               counted(fitting.turns, "turn"), fitting.border);
+  }
+  return {{turns_of(plan, turns.turns), plan.rig(), {.kinematics = plan.kinematics()}}, turns};
+}
+
+/// What is played on the screen turn by turn: --turns K without the frames of a part of them.
+TurnsOfRun planned_turns(const RunArguments& arguments) {
+  const bool is_shot = arguments.is_shot();
+  // A shoot goes to single frames of the whole move; what is played of it is a move of its own.
+  Plan plan = make_plan(
+      arguments.move, arguments.rig, Solver::closed_form,
+      {.turns = arguments.turns, .frames = is_shot ? FrameRange{} : frame_range_argument(arguments.frames)});
+  if (arguments.loop && !arguments.turns) return looped(std::move(plan), arguments);
+  if (!arguments.turns || arguments.frames) return {std::move(plan)};
+  const std::int32_t frames = plan.move().frames / *arguments.turns;
+  return {std::move(plan), PlayedTurns{.frames = frames, .turns = *arguments.turns}};
 }
 
 bool is_numbered(const std::optional<std::string>& file) {
@@ -288,13 +322,10 @@ int run_command(const RunArguments& arguments) {
        {"--shoot-log", arguments.shoot_log}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
-  // A shoot goes to single frames of the whole move; what is played of it is a move of its own.
-  Plan plan = make_plan(
-      arguments.move, arguments.rig, Solver::closed_form,
-      {.turns = arguments.turns, .frames = is_shot ? FrameRange{} : frame_range_argument(arguments.frames)});
-  if (arguments.loop && !arguments.turns) plan = looped(std::move(plan), arguments);
+  const TurnsOfRun planned = planned_turns(arguments);
+  const Plan& plan = planned.plan;
   if (!arguments.simulated && is_shot) refuse_no_camera(plan);
-  const RunReport report = play(plan, arguments, watch);
+  const RunReport report = play(planned, arguments, watch);
   release_lost_terminal();
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
@@ -339,8 +370,9 @@ start, takes and Home; its positions are those of the whole move, and so are the
 of other frames do not happen; the clapper claps on the first and the last that is played.
 
 --loop is refused for a move that does not end where it starts. A periodic move goes on through its seam at
-its speed: --turns K plays K turns between one pre-roll and one post-roll, --loop as many as the limits of the
-rig leave. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
+its speed: --turns K plays K turns between one pre-roll and one post-roll, --loop goes round until it is
+stopped; where every turn ends further on it says beforehand how many fit on the rig, and plays these. The
+screen shows the turn, and the frame in it. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
 
 --step goes to the first frame and exposes it when space (or without a terminal the camera) asks; space goes
 on with the next frame that is not shot, e exposes the one that the rig stands on again, left and right look at

@@ -39,7 +39,7 @@ void rest_between(double begin, double end, CurveFrame& frame) {
 /// them.
 CheckReport checked(const Plan& plan) {
   CheckReport once = check_until_refused(plan);
-  if (!plan.move().tracks.front().periodic || !once.fits() || max_turns_of(plan) < 2) return once;
+  if (!plan.move().tracks.front().periodic || !once.fits() || fitting_turns(plan).turns < 2) return once;
   CheckReport twice =
       check_until_refused(Plan(turns_of(plan, 2), plan.rig(), {.kinematics = plan.kinematics()}));
   if (twice.fits()) return once;

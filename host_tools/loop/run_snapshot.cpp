@@ -44,6 +44,11 @@ std::string hint_of_shoot(const ShootSnapshot& shoot) {
                      shoot.is_shot ? ", e shoots it again" : "");
 }
 
+std::string words_of(const TurnSnapshot& turn) {
+  return turn.of > 0 ? fmt::format("  turn {} of {}", turn.turn, turn.of)
+                     : fmt::format("  turn {}", turn.turn);
+}
+
 std::string state_of_jog(const JogSnapshot& jog) {
   const std::string limits =
       jog.is_referenced ? fmt::format("in {:g}..{:g}", jog.min, jog.max) : std::string("UNREFERENCED");
@@ -77,8 +82,9 @@ std::string state_line(const RunSnapshot& snapshot) {
   const auto [first, last] = snapshot.played();
   const std::string of = first > 0 || last < snapshot.frames ? fmt::format("{}..{}", first, last)
                                                              : std::to_string(snapshot.frames);
-  return fmt::format("{}  frame {:.1f} of {}  rate {:+.2f} of {:.2f}{}{}", phase, snapshot.frame, of,
-                     snapshot.rate, snapshot.override_rate, snapshot.backward ? ", backward" : "", left);
+  return fmt::format("{}{}  frame {:.1f} of {}  rate {:+.2f} of {:.2f}{}{}", phase,
+                     snapshot.turn ? words_of(*snapshot.turn) : "", snapshot.frame, of, snapshot.rate,
+                     snapshot.override_rate, snapshot.backward ? ", backward" : "", left);
 }
 
 std::string hint_line(const RunSnapshot& snapshot) {

@@ -39,6 +39,12 @@ struct JogSnapshot {
   bool is_referenced = true;
 };
 
+/// The turn of a move that is played again and again, or in several turns.
+struct TurnSnapshot {
+  std::int64_t turn = 1;
+  std::int32_t of = 0;  ///< 0: until it is stopped
+};
+
 /// Where an axis of the rig was told to be, and where it is.
 struct AxisPlace {
   double commanded = 0;
@@ -56,6 +62,7 @@ struct RunSnapshot {
   /// The frames that are played, all where nothing is said; before them is the pre-roll, behind the
   /// post-roll.
   std::optional<WholeFrames> part = {};
+  std::optional<TurnSnapshot> turn = {};    ///< `frame` is one of this turn
   std::optional<double> seconds_left = {};  ///< while it plays to an end
   double rate = 0;
   double override_rate = 1;

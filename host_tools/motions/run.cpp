@@ -29,20 +29,20 @@ namespace {
 constexpr double jitter_rate = 0.1;
 
 /// The outputs of the rig; null where it has none.
-std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session,
-                                        const std::optional<std::string>& log) {
+std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session, const RunOptions& options) {
   const RigFile& rig = session.rig();
   const WholeFrames line{plan.played().first_frame(), plan.played().last_frame()};
   std::unique_ptr<CueOutputs> cues =
       CueOutputs::open(plan.move(), rig, line, plan.part(), session.hardware());
   if (cues && session.drives().steps() != nullptr) cues->go_with(*session.drives().steps());
-  if (!log) return cues;
+  if (!options.cue_log) return cues;
   if (!cues) {
     throw InputError({rig.path, 0, 0},
                      fmt::format("the rig {} has no outputs; leave out --cue-log, or add an [output.NAME]",
                                  in_quotes(rig.name)));
   }
-  cues->log_to(*log, session.options().fast);
+  if (options.turns && options.turns->goes_round) cues->count_frames_of_turns(options.turns->frames);
+  cues->log_to(*options.cue_log, session.options().fast);
   return cues;
 }
 
@@ -54,7 +54,7 @@ class Run {
         reference_(reference),
         options_(options),
         session_(*staged.plan().rig(), reference, rig),
-        cues_(opened_cues(staged.plan(), session_, options.cue_log)),
+        cues_(opened_cues(staged.plan(), session_, options)),
         audience_(session_.options().audience) {
     const Plan& plan = staged.plan();
     report_.reason = "the move was played to its last frame";
@@ -132,7 +132,7 @@ class Run {
     if (options_.shoot) {
       shoot();
     } else {
-      TransportLines lines{.cues = cues_.get()};
+      TransportLines lines{.cues = cues_.get(), .turns = options_.turns};
       if (staged_.plan().move().start == Start::trigger) {
         lines.start = [&](std::int64_t) { return session_.lines().start_triggered(); };
         if (is_simulated()) lines.start = SimulatedTrigger();
@@ -141,11 +141,20 @@ class Run {
       if (options_.has_takes) {
         play_takes(transport);
       } else {
-        perform(transport, staged_.loop_spec().drive_of, last);
+        const bool is_done = perform(transport, staged_.loop_spec().drive_of, last);
+        if (!is_done && report_.ending == Ending::stopped) tell_turn(transport);
       }
     }
     if (cues_) cues_->finish(audience_.interrupted);
     if (audience_.progress) audience_.progress(last, last);
+  }
+
+  /// What goes round has no end before which it could be stopped.
+  void tell_turn(const Transport& transport) {
+    const std::optional<TurnSnapshot> turn = transport.turn();
+    if (!turn || turn->of > 0) return;
+    report_.reason =
+        fmt::format("stopped in turn {}, on frame {:.1f}", turn->turn, transport.snapshot().frame);
   }
 
   /// The name of the record of a take; nothing where none is wanted.

@@ -8,12 +8,15 @@
 #include "host_tools/motions/run_report.hpp"
 #include "host_tools/motions/shooting.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "host_tools/plan/turns.hpp"
 #include "inbetween/play/playhead.hpp"
 
 namespace inbetween {
 
 struct RunOptions {
   Repeat repeat = Repeat::none;
+  /// The plan is of turns of a periodic move, played to their end or until somebody leaves.
+  std::optional<PlayedTurns> turns = {};
   /// Up to how many times the drawn speed the override goes. A tenth where jitter is allowed.
   double top_rate = 1;
   /// At how many times the drawn speed it begins; no more than the top rate.

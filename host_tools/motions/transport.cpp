@@ -1,5 +1,6 @@
 #include "host_tools/motions/transport.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace inbetween {
@@ -28,6 +29,8 @@ Status Transport::begin() {
 Status Transport::start() {
   is_waiting_ = false;
   is_back_ = false;
+  goes_home_ = false;
+  if (is_at_start()) turns_gone_ = 0;
   return loop_.start(direction_);
 }
 
@@ -75,14 +78,55 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   // A signal from before anybody waited is dropped, as a key would be: the rig does not start for it.
   if (is_waiting_ && lines_.start(now_ns) && is_heard_) keys_.say(start());
   is_heard_ = true;
-  const PlayheadPlace from = place_of(playhead_);
+  PlayheadPlace from = place_of(playhead_);
+  // A pulse at the place to which it was carried has begun a turn further on.
+  if (was_carried_) from.time.fraction = std::nextafter(from.time.fraction, 2.0);
   const LoopTick result = loop_.tick(ticks, now_ns);
   note(result);
-  if (lines_.cues == nullptr) return;
   const bool repeats = result.event == PlayheadEvent::repeated;
-  lines_.cues->tick(
-      {.from = from, .to = place_of(playhead_), .repeated = repeats ? playhead_.repeat() : Repeat::none},
-      ticks, now_ns);
+  if (repeats) ++turns_gone_;
+  if (lines_.cues != nullptr) {
+    lines_.cues->tick(
+        {.from = from, .to = place_of(playhead_), .repeated = repeats ? playhead_.repeat() : Repeat::none},
+        ticks, now_ns);
+  }
+  was_carried_ = false;
+  if (lines_.turns && lines_.turns->goes_round && !goes_home_) go_round();
+}
+
+/// While its rate changes it goes on, so that a change meets the stop bounds that it was planned with; where
+/// one takes longer than that, it meets those of the same place of another turn.
+void Transport::go_round() {
+  const WholeFrames again = lines_.turns->again();
+  const std::int32_t turn = again.last - again.first;
+  const std::int32_t further = playhead_.rate_change() == 0 ? 0 : again.first / 2;
+  while (playhead_.time().frame >= again.last + further) {
+    playhead_.shift_by(-turn);
+    ++turns_gone_;
+    was_carried_ = playhead_.rate() > 0;
+  }
+  while (turns_gone_ > 0 && playhead_.time().frame < again.first - further) {
+    playhead_.shift_by(turn);
+    --turns_gone_;
+  }
+}
+
+/// Counted from 0; its rolls belong to the first and the last.
+std::int32_t Transport::turn_on_time_line() const {
+  if (!lines_.turns) return 0;
+  const std::int32_t frame = std::max(playhead_.time().frame, 0);
+  return std::min(frame / lines_.turns->frames, lines_.turns->turns - 1);
+}
+
+double Transport::frame_of_turn() const {
+  const std::int32_t before = lines_.turns ? turn_on_time_line() * lines_.turns->frames : 0;
+  return playhead_.time().frame - before + playhead_.time().fraction;
+}
+
+std::optional<TurnSnapshot> Transport::turn() const {
+  if (!lines_.turns && playhead_.repeat() == Repeat::none) return std::nullopt;
+  const bool ends = lines_.turns && !lines_.turns->goes_round;
+  return TurnSnapshot{.turn = turns_gone_ + turn_on_time_line() + 1, .of = ends ? lines_.turns->turns : 0};
 }
 
 /// Played backward to its beginning by somebody, a move rests there and waits for them.
@@ -166,6 +210,8 @@ void Transport::go_home() {
   }
   end_take(false);
   is_back_ = false;
+  goes_home_ = true;  // to the beginning of the turns that are on the time line
+  turns_gone_ = 0;
   direction_ = Direction::forward;
   keys_.say(playhead_.go_to(move_.first_frame()));
 }
@@ -174,6 +220,7 @@ void Transport::pause_or_play() {
   if (!keys_.is_running()) {
     keys_.say("nothing runs");
   } else if (playhead_.is_resting()) {
+    goes_home_ = false;
     keys_.say(playhead_.play(direction_));
   } else {
     playhead_.stop();
@@ -182,7 +229,9 @@ void Transport::pause_or_play() {
 
 void Transport::turn() {
   direction_ = direction_ == Direction::forward ? Direction::backward : Direction::forward;
-  if (keys_.is_running() && !playhead_.is_resting()) keys_.say(playhead_.play(direction_));
+  if (!keys_.is_running() || playhead_.is_resting()) return;
+  goes_home_ = false;
+  keys_.say(playhead_.play(direction_));
 }
 
 void Transport::step(Direction direction) {
@@ -190,24 +239,34 @@ void Transport::step(Direction direction) {
     keys_.say("nothing runs");
     return;
   }
+  goes_home_ = false;
   keys_.say(playhead_.step(direction));
 }
 
+/// To the next step above or below, and at the top to the top rate itself.
 void Transport::change_override(int by) {
+  constexpr double rounding = 1e-9;
   const double now = playhead_.override_rate();
-  const double border = override_step - by * fine_override_step / 2;
-  const double step = now < border ? fine_override_step : override_step;
-  const double wanted = std::round((now + by * step) / step) * step;
+  const bool is_fine = by > 0 ? now < override_step - rounding : now < override_step + rounding;
+  const double step = is_fine ? fine_override_step : override_step;
+  const double steps = by > 0 ? std::floor(now / step + rounding) : std::ceil(now / step - rounding);
+  const double wanted = (steps + by) * step;
+  const double top = playhead_.top_rate();
   if (wanted < fine_override_step / 2) {
     keys_.say("slower than this is a pause");
-    return;
+  } else if (by > 0 && now >= top) {
+    keys_.say("this is the top rate; --top-rate lets it go up to what the limits hold");
+  } else {
+    keys_.say(playhead_.set_override(std::min(wanted, top)));
   }
-  keys_.say(playhead_.set_override(wanted));
 }
 
 /// At the rate that it has or goes to; nothing while it rests, or where no end ends it.
 std::optional<double> Transport::seconds_left(double frame) const {
-  if (playhead_.state() != PlayheadState::playing || playhead_.repeat() != Repeat::none) return std::nullopt;
+  const bool goes_round = lines_.turns && lines_.turns->goes_round && direction_ == Direction::forward;
+  if (playhead_.state() != PlayheadState::playing || playhead_.repeat() != Repeat::none || goes_round) {
+    return std::nullopt;
+  }
   const double way =
       direction_ == Direction::forward ? move_.last_frame() - frame : frame - move_.first_frame();
   return way / (move_.frame_rate().frames_per_second() * playhead_.override_rate());
@@ -215,17 +274,27 @@ std::optional<double> Transport::seconds_left(double frame) const {
 
 RunSnapshot Transport::snapshot() const {
   const double frame = playhead_.time().frame + playhead_.time().fraction;
-  return {.state = loop_.state(),
-          .is_resting = playhead_.is_resting(),
-          .frame = frame,
-          .frames = move_.frames(),
-          .part = move_.part(),
-          .seconds_left = seconds_left(frame),
-          .rate = playhead_.rate(),
-          .override_rate = playhead_.override_rate(),
-          .backward = direction_ == Direction::backward,
-          .share = (frame - move_.first_frame()) / (move_.last_frame() - move_.first_frame()),
-          .words = keys_.words()};
+  // Of turns the frames are those of each, and the share is that of what is played once.
+  const std::int32_t before = lines_.turns ? turn_on_time_line() * lines_.turns->frames : 0;
+  const bool goes_round = lines_.turns && lines_.turns->goes_round;
+  const double first = goes_round ? before : move_.first_frame();
+  const double frames = goes_round ? lines_.turns->frames : move_.last_frame() - move_.first_frame();
+  RunSnapshot now{.state = loop_.state(),
+                  .is_resting = playhead_.is_resting(),
+                  .frame = frame_of_turn(),
+                  .frames = move_.frames(),
+                  .part = move_.part(),
+                  .turn = turn(),
+                  .seconds_left = seconds_left(frame),
+                  .rate = playhead_.rate(),
+                  .override_rate = playhead_.override_rate(),
+                  .backward = direction_ == Direction::backward,
+                  .share = std::clamp((frame - first) / frames, 0.0, 1.0),
+                  .words = keys_.words()};
+  if (!lines_.turns) return now;
+  now.frames = lines_.turns->frames;
+  now.part.reset();
+  return now;
 }
 
 }  // namespace inbetween

@@ -9,14 +9,16 @@
 #include "host_tools/loop/operator_keys.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
+#include "host_tools/plan/turns.hpp"
 #include "host_tools/rig/cue_outputs.hpp"
 
 namespace inbetween {
 
-/// The lines of the rig that a played move uses.
+/// What a played move uses beside the rig's axes.
 struct TransportLines {
   CueOutputs* cues = nullptr;  ///< the pulses of the move
   StartSignal start = {};      ///< the move is begun and waits for it
+  std::optional<PlayedTurns> turns = {};
 };
 
 /// Plays a move in a loop, once, or take after take. Refers to all of them. Allocates nothing.
@@ -24,6 +26,10 @@ struct TransportLines {
 /// Home goes back along the path to where the move begins, and rests there. With takes the act begins with
 /// the rig at rest where the move begins, and waits: Enter there begins a take, nothing else does. It is over
 /// whenever a take is to begin, so that the caller makes ready for it and comes back, and when it has ended.
+///
+/// Turns that go round never come to the end of their time line: behind the turn in the middle the playhead
+/// is carried back a turn, where the move does the same, and played backward forward again, up to where it
+/// began. The frame is exact however long it goes on (Playhead::shift_by).
 class Transport final : public LoopTask {
  public:
   enum class Ask : std::uint8_t {
@@ -66,12 +72,16 @@ class Transport final : public LoopTask {
   [[nodiscard]] bool was_whole() const { return was_whole_; }
 
   [[nodiscard]] RunSnapshot snapshot() const override;
-  [[nodiscard]] std::optional<double> frame() const override {
-    return playhead_.time().frame + playhead_.time().fraction;
-  }
+  /// Of the turn that is played, where turns are.
+  [[nodiscard]] std::optional<double> frame() const override { return frame_of_turn(); }
+  /// The turn that it is in, or was stopped in; nothing where nothing is repeated.
+  [[nodiscard]] std::optional<TurnSnapshot> turn() const;
 
  private:
   Status start();
+  void go_round();
+  [[nodiscard]] std::int32_t turn_on_time_line() const;
+  [[nodiscard]] double frame_of_turn() const;
   void pause_or_play();
   void turn();
   void step(Direction direction);
@@ -100,6 +110,9 @@ class Transport final : public LoopTask {
   bool is_heard_ = false;    ///< since it waits
   Direction direction_ = Direction::forward;
   bool is_back_ = false;  ///< it was played backward to its beginning, and rests there
+  bool goes_home_ = false;
+  std::int64_t turns_gone_ = 0;  ///< by which the playhead was carried back, or that it has repeated
+  bool was_carried_ = false;     ///< after the last tick
 
   enum class Take : std::uint8_t { none, asked, playing, ended, closed };
   bool has_takes_ = false;

@@ -122,17 +122,29 @@ MoveFile turns_of(const Plan& plan, std::int32_t turns) {
   return all;
 }
 
-std::int32_t max_turns_of(const Plan& plan) {
+bool comes_back(const MoveFile& move) {
+  return std::ranges::all_of(move.tracks, [](const MoveTrack& track) {
+    return std::ranges::all_of(track.lap, [](double lap) { return std::fabs(lap) < lap_rounding; });
+  });
+}
+
+FittingTurns fitting_turns(const Plan& plan) {
   const MoveFile& move = plan.move();
-  const std::int32_t of_frames = max_frames / move.frames;
-  double most = of_frames;
+  double most = max_frames / move.frames;
+  std::string border = fmt::format("a move has {} frames at most", max_frames);
+  const auto narrow = [&](double turns, const auto& words) {
+    if (!(turns < most)) return;
+    most = turns;
+    border = words();
+  };
   for (std::size_t t = 0; t < move.tracks.size(); ++t) {
     const std::vector<double>& speed = plan.tracks()[t].control_values();
-    const std::size_t of_keys = max_keys / move.tracks[t].keys.size();
-    most = std::min(most, static_cast<double>(of_keys));
+    narrow(static_cast<double>(max_keys / move.tracks[t].keys.size()),
+           [] { return fmt::format("a track has {} keys at most", max_keys); });
     if (move.tracks[t].timing == Timing::frames || is_even(speed)) continue;
     const double product = static_cast<double>(speed.size() - 1) * move.frames;
-    most = std::min(most, std::sqrt(std::numeric_limits<std::int32_t>::max() / product));
+    narrow(std::sqrt(std::numeric_limits<std::int32_t>::max() / product),
+           [] { return std::string("a speed curve has no more values"); });
   }
   for (std::size_t a = 0; a < plan.axes().size(); ++a) {
     const PlanAxis& axis = plan.axes()[a];
@@ -141,9 +153,28 @@ std::int32_t max_turns_of(const Plan& plan) {
     const auto [low, high] = range_of(plan, axis.move_axis);
     const RigAxis& limits = plan.rig()->axes[a];
     const double room = lap > 0 ? limits.max - high : low - limits.min;
-    most = std::min(most, 1 + room / std::abs(lap) + lap_rounding);
+    narrow(1 + room / std::abs(lap) + lap_rounding,
+           [&] { return fmt::format("{} has the limits {}", named(limits), range_in_words(limits)); });
   }
-  return static_cast<std::int32_t>(std::max(most, 1.0));
+  return {static_cast<std::int32_t>(std::max(most, 1.0)), border};
+}
+
+PlayedTurns turns_to_go_round(const Plan& plan) {
+  constexpr double seconds_around = 30;
+  const MoveFile& move = plan.move();
+  const FittingTurns fitting = fitting_turns(plan);
+  if (fitting.turns < 2) {
+    throw InputError(move.frames_place,
+                     fmt::format("the move cannot go round and round: its turns are planned "
+                                 "two at a time, and {}; give it fewer",
+                                 fitting.border));
+  }
+  const double around =
+      std::ceil(seconds_around * plan.played().frame_rate().frames_per_second() / move.frames);
+  const double wanted = 1 + 2 * around;
+  return {.frames = move.frames,
+          .turns = static_cast<std::int32_t>(std::min(wanted, static_cast<double>(fitting.turns))),
+          .goes_round = true};
 }
 
 }  // namespace inbetween

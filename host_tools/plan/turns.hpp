@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "host_tools/plan/plan.hpp"
 
@@ -20,8 +21,37 @@ bool is_periodic(const MoveFile& move);
 /// than max_frames frames.
 MoveFile turns_of(const Plan& plan, std::int32_t turns);
 
+/// How many turns fit, at least one, and what leaves no room for more: "the limits of \"table\", 0..3600
+/// deg".
+struct FittingTurns {
+  std::int32_t turns = 1;
+  std::string border;
+};
+
 /// As many turns as the position limits of the rig leave, up to max_frames frames, max_keys keys in a track
-/// and as many control values as the core can count; at least one. The plan has a rig and is of one turn.
-std::int32_t max_turns_of(const Plan& plan);
+/// and as many control values as the core can count. The plan has a rig and is of one turn.
+FittingTurns fitting_turns(const Plan& plan);
+
+/// Whether every turn of a periodic move comes back to where it began, so that it can go round and round.
+bool comes_back(const MoveFile& move);
+
+/// The turns of a periodic move that a rig plays, all of them one move.
+struct PlayedTurns {
+  std::int32_t frames = 1;  ///< of a turn
+  std::int32_t turns = 1;
+  /// The turn in the middle is played again and again, and those around it are there for what begins in it
+  /// and is not over at its end: a stop, a change of the rate, a way to a frame.
+  bool goes_round = false;
+
+  /// A turn of frames in the middle.
+  [[nodiscard]] WholeFrames again() const {
+    const std::int32_t first = (turns - 1) * frames / 2;
+    return {first, first + frames};
+  }
+};
+
+/// For a move that goes round and round: at least half a minute around the middle, as far as a move has room.
+/// Throws InputError where not even two turns are a move.
+PlayedTurns turns_to_go_round(const Plan& plan);
 
 }  // namespace inbetween

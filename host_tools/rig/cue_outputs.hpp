@@ -44,6 +44,10 @@ class CueOutputs {
   /// Before the first tick: pulses are timed by the same clock as the steps of the rig, which last longer, to
   /// the nanosecond.
   void go_with(const StepDrives& steps) { steps_ = &steps; }
+  /// Before log_to: the frames that are logged are those of turns of so many.
+  void count_frames_of_turns(std::int32_t frames) {
+    for (CuePulse& pulse : pulses_) pulse.frame %= frames;
+  }
   /// Before the first tick: every pulse goes there. CueLog says what it throws.
   void log_to(const std::string& file, bool waits);
 

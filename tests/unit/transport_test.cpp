@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <string>
@@ -13,14 +14,14 @@
 #include <vector>
 
 #include "drivers/linux/interrupt_watch.hpp"
-#include "host_tools/loop/loop_storage.hpp"
 #include "host_tools/motions/run.hpp"
+#include "host_tools/motions/run_checks.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
-#include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
+#include "tests/support/ticked_rig.hpp"
 
 namespace inbetween {
 namespace transport_test {
@@ -29,6 +30,7 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 const std::string reveal = in_checkout("examples/reveal.toml");
 const std::string camera_rig = in_checkout("examples/camera_rig.toml");
@@ -240,6 +242,32 @@ TEST(Transport, BelowATenthTheRateChangesByAHundredth) {
   EXPECT_NEAR(static_cast<double>(no_pause.report.ticks), 2000 / 0.02, 20 / 0.02);
 }
 
+// A slow move, and somebody who presses + until nothing more happens.
+TEST(Transport, TheRateGoesUpToTheTopRateThatWasAskedForAndNotBeyond) {
+  const std::string slow =
+      "name = \"slow\"\nfps = 24\nframes = 960\n[[track]]\naxes = [\"pan\"]\n"
+      "keys = [{ at = [0] }, { at = [40] }]\nspeed = [0, 0, 10, 10, 0, 0]\n";
+  const Plan plan(parse_move(slow, "move.toml"), read_rig_file(camera_rig), {});
+  for (const auto& [top, steps] : {std::pair(1.2, 2), {1.25, 3}, {1.0, 0}, {2.0, 10}, {1.0001, 1}}) {
+    TickedRig rig(plan);
+    const auto staged = checked_move(plan, top, Repeat::none);
+    Transport transport(rig.loop, *staged, true);
+    ASSERT_TRUE(transport.begin());
+    for (int i = 0; i < steps; ++i) {
+      EXPECT_LT(transport.snapshot().override_rate, top);
+      transport.press(TransportKey::faster);
+    }
+    EXPECT_EQ(transport.snapshot().override_rate, top);
+    transport.press(TransportKey::faster);
+    EXPECT_EQ(transport.snapshot().override_rate, top);
+    EXPECT_THAT(hint_line(transport.snapshot()), StartsWith("this is the top rate"));
+    rig.tick(transport, 1000);
+    EXPECT_EQ(transport.snapshot().rate, top) << "it plays at what it says";
+    transport.press(TransportKey::slower);
+    EXPECT_NEAR(transport.snapshot().override_rate, std::ceil(top * 10 - 1e-9) / 10 - 0.1, 1e-9);
+  }
+}
+
 TEST(Transport, AStopHasToBeAcknowledgedAndStarted) {
   const Session session({{500, "\x1b"}, {1000, " "}, {1100, "\r"}, {1200, "a"}, {1300, "\r"}});
   EXPECT_EQ(session.report.ending, Ending::finished);
@@ -322,44 +350,6 @@ TEST(Transport, ALoopThatWouldStepIsRefusedWithItsAxis) {
   EXPECT_EQ(usage.status, 2);
   EXPECT_THAT(usage.err, HasSubstr("leave out --fast"));
 }
-
-/// A line that has told once, before anybody waited.
-/// A simulated rig with its loop, on a clock of the test's, standing where a plan begins.
-class TickedRig {
- public:
-  explicit TickedRig(const Plan& plan)
-      : rig_(*plan.rig()),
-        hardware_(rig_, standing_at_start(plan)),
-        lines_(rig_, hardware_),
-        drives_(rig_, hardware_),
-        room_(rig_.axes.size(), rig_.axes.size()),
-        loop(drives_, lines_, room_.memory()) {
-    EXPECT_TRUE(loop.post(SupervisorEvent::arm));
-    for (int i = 0; i < 5000 && loop.state() != SupervisorState::ready; ++i) tick(loop, 1);
-  }
-  void tick(auto& of, int count) {
-    for (int i = 0; i < count; ++i) of.tick(1, now_ns_ += 1'000'000'000 / rig_.rate_hz);
-  }
-
- private:
-  static std::vector<double> standing_at_start(const Plan& plan) {
-    std::vector<double> start(plan.played().axis_count());
-    plan.motion().positions({plan.played().first_frame(), 0}, start);
-    std::vector<double> standing(plan.rig()->axes.size());
-    for (std::size_t d = 0; d < start.size(); ++d) standing[plan.axis_of(d)] = start[d];
-    return standing;
-  }
-
-  const RigFile& rig_;
-  SimulatedHardware hardware_;
-  RigInputs lines_;
-  RigDrives drives_;
-  LoopStorage room_;
-  std::int64_t now_ns_ = 0;
-
- public:
-  RunLoop loop;
-};
 
 TEST(Transport, ATriggerThatCameBeforeAnybodyWaitedStartsNothing) {
   const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});

@@ -127,6 +127,17 @@ Status Playhead::place_on(std::int32_t frame) {
   return Done{};
 }
 
+/// The whole frames of a cruise go into its anchor, and the part of a frame that it has come goes on.
+void Playhead::shift_by(std::int32_t frames) {
+  anchor_.frame += (rate_ < 0 ? -cruise_frames_ : cruise_frames_) + frames;
+  cruise_frames_ = 0;
+  time_.frame += frames;
+  if (has_next_) next_.frame += frames;
+  if (state_ != PlayheadState::travelling) return;
+  travel_.from.frame += frames;
+  travel_.to.frame += frames;
+}
+
 // --- a tick
 
 PlayheadEvent Playhead::tick() {
@@ -172,15 +183,15 @@ PlayheadEvent Playhead::settle() {
 
 PlayheadEvent Playhead::pass_end(Direction direction) {
   const FrameTime end = end_towards(direction);
-  if (state_ == PlayheadState::playing && repeat_ != Repeat::none) {
-    const double beyond = static_cast<double>(time_.frame - end.frame) + time_.fraction;
-    time_ = moved_by(repeat_ == Repeat::loop ? end_towards(opposite(direction)) : end,
-                     repeat_ == Repeat::loop ? beyond : -beyond);
-    if (repeat_ == Repeat::ping_pong) {
-      rate_ = -rate_;
-      change_ = -change_;
-      direction_ = opposite(direction);
-    }
+  if (state_ == PlayheadState::playing && repeat_ == Repeat::loop) {
+    shift_by(end_towards(opposite(direction)).frame - end.frame);
+    return PlayheadEvent::repeated;
+  }
+  if (state_ == PlayheadState::playing && repeat_ == Repeat::ping_pong) {
+    time_ = moved_by(end, -frames_between(end, time_));
+    rate_ = -rate_;
+    change_ = -change_;
+    direction_ = opposite(direction);
     anchor_here();
     return PlayheadEvent::repeated;
   }

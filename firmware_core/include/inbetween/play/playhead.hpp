@@ -119,6 +119,10 @@ class Playhead {
   /// Puts a playhead at rest on a frame without a travel, for a rig that was moved otherwise. Errors:
   /// out_of_range (not on the time line; not resting).
   Status place_on(std::int32_t frame);
+  /// Takes the playhead, with whatever it does and will do, so many whole frames along the time line. For a
+  /// move that does the same there, turn after turn: nothing is rounded, and no number grows. Domain: here
+  /// and to where it travels there is a time line so much further too.
+  void shift_by(std::int32_t frames);
 
   /// One tick later. O(1), no allocation.
   PlayheadEvent tick();
@@ -129,6 +133,8 @@ class Playhead {
   /// The change of the rate, per second.
   [[nodiscard]] double rate_change() const { return change_; }
   [[nodiscard]] double override_rate() const { return override_; }
+  /// The highest override.
+  [[nodiscard]] double top_rate() const { return bounds_->rate(); }
   [[nodiscard]] Repeat repeat() const { return repeat_; }
   [[nodiscard]] PlayheadState state() const { return state_; }
   [[nodiscard]] bool is_resting() const { return state_ == PlayheadState::resting; }
