@@ -202,7 +202,7 @@ FileFailure put_back(const FileLayer& files, const std::string& part, const std:
                      std::string_view bytes) {
   if (const int error = files.swap(part, path))
     return {"cannot be put back; what it had is in its part", path, error};
-  if (const FileFailure failure = sync_folder_of(files, path)) return failure;
+  if (FileFailure failure = sync_folder_of(files, path)) return failure;
   if (files.being_written(part) == 0 && has(files, part, bytes)) files.remove(part);
   return {};
 }
@@ -229,7 +229,7 @@ std::string part_of(const std::string& path) {
 
 FileFailure replace_durably(const FileLayer& files, const std::string& path, std::string_view bytes) {
   const std::string part = part_of(path);
-  if (const FileFailure failure = write_part(files, part, path, bytes)) return failure;
+  if (FileFailure failure = write_part(files, part, path, bytes)) return failure;
   if (const int error = files.rename(part, path)) return {"cannot be replaced", path, error};
   return sync_folder_of(files, path);
 }
@@ -237,7 +237,7 @@ FileFailure replace_durably(const FileLayer& files, const std::string& path, std
 FileFailure replace_expected(const FileLayer& files, const std::string& path,
                              const std::optional<std::string>& expected, std::string_view bytes) {
   const std::string part = part_of(path);
-  if (const FileFailure failure = write_part(files, part, path, bytes)) return failure;
+  if (FileFailure failure = write_part(files, part, path, bytes)) return failure;
   const int error = expected ? files.swap(part, path) : files.rename_new(part, path);
   if (error == EINVAL) return put_in_place_if_expected(files, part, path, expected);
   if (error == ENOENT || error == EEXIST) {
@@ -245,12 +245,12 @@ FileFailure replace_expected(const FileLayer& files, const std::string& path,
     return changed_by_others(path);
   }
   if (error != 0) return {"cannot be replaced", path, error};
-  if (const FileFailure failure = sync_folder_of(files, path)) return failure;
+  if (FileFailure failure = sync_folder_of(files, path)) return failure;
   if (!expected) return {};
   // Also who has opened the old file and has not written it yet would write into what is removed here.
   const bool is_busy = files.being_written(part) == ETXTBSY;
   if (is_busy || !has(files, part, *expected)) {
-    if (const FileFailure failure = put_back(files, part, path, bytes)) return failure;
+    if (FileFailure failure = put_back(files, part, path, bytes)) return failure;
     if (is_busy) return {"is being written by another program", path, ETXTBSY};
     return changed_by_others(path);
   }

@@ -130,7 +130,8 @@ bool comes_back(const MoveFile& move) {
 
 FittingTurns fitting_turns(const Plan& plan) {
   const MoveFile& move = plan.move();
-  double most = max_frames / move.frames;
+  const std::int32_t turns_of_frames = max_frames / move.frames;
+  double most = turns_of_frames;
   std::string border = fmt::format("a move has {} frames at most", max_frames);
   const auto narrow = [&](double turns, const auto& words) {
     if (!(turns < most)) return;
@@ -139,7 +140,8 @@ FittingTurns fitting_turns(const Plan& plan) {
   };
   for (std::size_t t = 0; t < move.tracks.size(); ++t) {
     const std::vector<double>& speed = plan.tracks()[t].control_values();
-    narrow(static_cast<double>(max_keys / move.tracks[t].keys.size()),
+    const std::size_t turns_of_keys = max_keys / move.tracks[t].keys.size();
+    narrow(static_cast<double>(turns_of_keys),
            [] { return fmt::format("a track has {} keys at most", max_keys); });
     if (move.tracks[t].timing == Timing::frames || is_even(speed)) continue;
     const double product = static_cast<double>(speed.size() - 1) * move.frames;

@@ -288,14 +288,17 @@ void draw_tips(Canvas& canvas, const Box& area, const PlotMove& move) {
   const auto columns = static_cast<double>(std::max<std::size_t>(across, 3));
   const double width = (area.width - (columns - 1) * view_gap) / columns;
   for (std::size_t i = 0; i < move.tips.size(); ++i) {
+    const std::size_t line = i / across;
     const Box panel{area.x + static_cast<double>(i % across) * (width + view_gap),
-                    area.y + static_cast<double>(i / across) * low_tip_height, width, low_tip_height};
+                    area.y + static_cast<double>(line) * low_tip_height, width, low_tip_height};
     draw_view(canvas, panel, move, move.tips[i], View::perspective, track_color(i), move.tips[i].name);
   }
 }
 
 double tips_height(std::size_t tips) {
-  return tips == 0 ? 0 : low_tip_height * static_cast<double>((tips - 1) / tips_across(tips) + 1);
+  if (tips == 0) return 0;
+  const std::size_t lines = (tips - 1) / tips_across(tips) + 1;
+  return low_tip_height * static_cast<double>(lines);
 }
 
 }  // namespace inbetween
