@@ -208,12 +208,12 @@ void refuse_no_camera(const Plan& plan) {
 /// as often as the rig has room, which is told before it moves; shot frame by frame, either is one turn.
 TurnsOfRun looped(Plan plan, const RunArguments& arguments) {
   const bool is_shot = arguments.is_shot();
-  if (!is_shot && !is_periodic(plan.move())) return {std::move(plan)};
-  if (is_shot && !is_periodic(plan.move())) {
+  const bool goes_on = is_periodic(plan.move());
+  if (is_shot && !goes_on) {
     throw UsageError(
         "a move that is shot frame by frame is not repeated unless it is periodic; leave out --loop");
   }
-  if (is_shot) return {std::move(plan)};
+  if (is_shot || !goes_on) return {std::move(plan)};
   if (arguments.frames) {
     throw UsageError(
         "--loop goes round the whole of a periodic move; leave out --frames, or name frames of --turns K");
@@ -231,7 +231,7 @@ TurnsOfRun looped(Plan plan, const RunArguments& arguments) {
   return {{turns_of(plan, turns.turns), plan.rig(), {.kinematics = plan.kinematics()}}, turns};
 }
 
-/// What is played on the screen turn by turn: --turns K without the frames of a part of them.
+/// The screen counts turns where all of them are played: --loop, and --turns K without --frames.
 TurnsOfRun planned_turns(const RunArguments& arguments) {
   const bool is_shot = arguments.is_shot();
   // A shoot goes to single frames of the whole move; what is played of it is a move of its own.
@@ -277,7 +277,7 @@ void refuse_plot_arguments(const RunArguments& arguments) {
   }
 }
 
-/// From the record that was written. Of a take, its number stands for %n.
+/// Draws what the record of a run, or of one of its takes, tells.
 void draw_run(const std::string& record, const std::string& picture, const Plan& plan,
               const RunArguments& arguments, const std::string& of, const std::string& how) {
   ReadRecord read = read_record(record, &*plan.rig());

@@ -63,7 +63,7 @@ constexpr std::array<std::string_view, 3> first_columns{"tick", "seconds", "stat
 constexpr std::string_view no_record =
     "this is no record of inbetween run; name one that --record has written";
 
-/// Where a line of a record is wrong.
+/// Says which line of a record is wrong, and why.
 [[noreturn]] void refuse(const std::string& record, std::int64_t line, std::string_view what) {
   throw std::runtime_error(fmt::format("{}:{}: error: {}", record, line, what));
 }

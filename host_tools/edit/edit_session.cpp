@@ -201,7 +201,7 @@ EditAnswer EditSession::save(const EditRequest& request) {
   const std::lock_guard lock(writing_);
   return guarded([&]() -> EditAnswer {
     const std::string text = edited_text(request);
-    // From a file that cannot be solved, neither the page nor `plan` would come back.
+    // A file that cannot be solved can be opened neither by the page nor by `plan`: it is not written.
     (void)plan_of(text, rig_.now());
     const std::optional<std::string> there = read();
     nlohmann::json answer{{"revision", revision_of(text)}, {"kept", nullptr}};

@@ -49,8 +49,7 @@ class EditSession {
   /// Writes the edits into the file, durably, and answers {"revision", "kept"}. It answers 422 where they
   /// make a move that cannot be solved, and 409 with the revision that is there where it is not the one that
   /// the request expects, also where it comes in the very moment (replace_expected); then it writes nothing.
-  /// What is replaced and is not the page's own is kept beside the file, in the one that "kept" names,
-  /// whatever it is.
+  /// A text that somebody else wrote is kept before it is replaced: "kept" names the file beside the move.
   EditAnswer save(const EditRequest& request);
   /// Writes the edits into a new file beside the move's, and answers {"kept": its name}; null where the file
   /// has that text.

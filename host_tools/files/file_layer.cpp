@@ -197,7 +197,8 @@ FileFailure changed_by_others(const std::string& path) {
   return {"has been changed by somebody else", path, ESTALE};
 }
 
-/// What came out of `path`, and is `part` now, goes back. Whatever has come there meanwhile stays as `part`.
+/// Swaps the names once more, so that `path` is what it was. A file that came there meanwhile stays as
+/// `part`.
 FileFailure put_back(const FileLayer& files, const std::string& part, const std::string& path,
                      std::string_view bytes) {
   if (const int error = files.swap(part, path))

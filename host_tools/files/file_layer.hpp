@@ -64,7 +64,7 @@ struct FileFailure {
   explicit operator bool() const { return error != 0; }
 };
 
-/// What is written before it is given the name `path`: a name that no other program has for its files.
+/// The file that is written first, and then renamed to `path`. No other program gives its files such a name.
 std::string part_of(const std::string& path);
 
 /// Replaces `path` by a file of `bytes`. After a power cut at any moment the old file or the new one is

@@ -50,13 +50,13 @@ void PatientFile::end_record() {
   if (text_.size() >= bytes_per_write) flush();
 }
 
-/// Of the text so many bytes were taken: a disk that is full ends within a line, which goes.
+/// A disk that fills up takes the first `sent` bytes of the text. The line that this cuts is removed.
 void PatientFile::keep_whole_lines(std::size_t sent) {
   const std::string_view taken = std::string_view(text_).substr(0, sent);
   const std::size_t whole = taken.rfind('\n') + 1;  // 0 where there is none
   const off_t end = lseek(file_, 0, SEEK_CUR);
   // Only a file on a disk can be cut, and elsewhere half a line is read by somebody already.
-  if (end >= 0 && ftruncate(file_, end - static_cast<off_t>(sent - whole)) != 0) errno = 0;
+  if (end >= 0) static_cast<void>(!ftruncate(file_, end - static_cast<off_t>(sent - whole)));
   const std::int64_t heads = std::ranges::count(text_, '\n') - in_text_;
   written_ += std::max<std::int64_t>(0, std::ranges::count(taken, '\n') - heads);
 }

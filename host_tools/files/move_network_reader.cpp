@@ -120,15 +120,23 @@ void refuse_unfinished(const DrawnAxis& drawn, std::int32_t frames, const Place&
       place, fmt::format("the curve {}; give it a point on frame {}, where the move ends", end, frames));
 }
 
-void read_points(const TomlValue& value, std::int32_t frames, DrawnAxis& drawn) {
+/// The points of an axis, which are numbers in its unit, or of the three curves of a point, which are places.
+void read_points(const TomlValue& value, std::int32_t frames, const MoveTrack& track,
+                 std::span<DrawnAxis> drawn) {
   for (const TomlValue& point : value.tables(max_drawn_points)) {
     const TomlTable table(point.table(), point.name(), point_fields);
-    const TomlValue frame = table.required("frame", "frame = 0, say");
-    const TomlValue at = table.required("at", "at = 30, say");
-    add_point(drawn, static_cast<std::int32_t>(frame.integer(0, frames)), at.number(), frame.place(),
-              at.place());
+    const TomlValue written_frame = table.required("frame", "frame = 0, say");
+    const TomlValue at = table.required("at", track.space ? "at = [x, y, z]" : "at = 30, say");
+    const auto frame = static_cast<std::int32_t>(written_frame.integer(0, frames));
+    if (!track.space) {
+      add_point(drawn.front(), frame, at.number(), written_frame.place(), at.place());
+      continue;
+    }
+    const std::array place = read_world_place(at, track.space->unit);
+    for (std::size_t c = 0; c < drawn.size(); ++c)
+      add_point(drawn[c], frame, place.at(c).metres, written_frame.place(), place.at(c).place);
   }
-  refuse_unfinished(drawn, frames, value.place());
+  refuse_unfinished(drawn.front(), frames, value.place());
 }
 
 /// The unit of a column "tip (mm)", as `plan --csv` names the columns of the axis "tip"; nothing where the
@@ -193,21 +201,6 @@ CsvTable read_csv_beside(const TomlValue& value) {
   return parse_csv(read_text_file(path), path.string());
 }
 
-/// Points of three numbers, for the three curves of a point of the row.
-void read_points_in_space(const TomlValue& value, std::int32_t frames, MoveUnit unit,
-                          std::span<DrawnAxis> drawn) {
-  for (const TomlValue& point : value.tables(max_drawn_points)) {
-    const TomlTable table(point.table(), point.name(), point_fields);
-    const TomlValue frame = table.required("frame", "frame = 0, say");
-    const std::array place = read_world_place(table.required("at", "at = [x, y, z]"), unit);
-    for (std::size_t c = 0; c < drawn.size(); ++c) {
-      add_point(drawn[c], static_cast<std::int32_t>(frame.integer(0, frames)), place.at(c).metres,
-                frame.place(), place.at(c).place);
-    }
-  }
-  for (const DrawnAxis& coordinate : drawn) refuse_unfinished(coordinate, frames, value.place());
-}
-
 /// The columns tip.x, tip.y and tip.z, in metres. All three have the same frames.
 void read_csv_in_space(const CsvTable& table, const std::string& tip, std::int32_t frames,
                        std::span<DrawnAxis> drawn) {
@@ -229,22 +222,19 @@ void read_csv_in_space(const CsvTable& table, const std::string& tip, std::int32
 void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, const MoveTrack& track,
                 MoveNetwork& network) {
   const std::string& name = row_of(track)[index];
-  const bool is_list = curve.node().is_array();
-  if (!track.space) {
-    DrawnAxis& axis = network.drawn.emplace_back();
-    axis.axis = index;
-    axis.unit = track.units.empty() ? MoveUnit::of_rig : track.units[index];
-    return is_list ? read_points(curve, frames, axis) : read_csv(read_csv_beside(curve), name, frames, axis);
-  }
+  const std::size_t curves = track.space ? world_coordinates : 1;
+  const MoveUnit unit_of_axes = track.units.empty() ? MoveUnit::of_rig : track.units[index];
   const std::size_t first = network.drawn.size();
-  for (std::size_t c = 0; c < world_coordinates; ++c) {
-    DrawnAxis& coordinate = network.drawn.emplace_back();
-    coordinate.axis = world_coordinates * index + c;
-    coordinate.unit = track.space->unit;
+  for (std::size_t c = 0; c < curves; ++c) {
+    DrawnAxis& axis = network.drawn.emplace_back();
+    axis.axis = curves * index + c;
+    axis.unit = track.space ? track.space->unit : unit_of_axes;
   }
   const std::span<DrawnAxis> drawn = std::span(network.drawn).subspan(first);
-  if (is_list) return read_points_in_space(curve, frames, track.space->unit, drawn);
-  read_csv_in_space(read_csv_beside(curve), name, frames, drawn);
+  if (curve.node().is_array()) return read_points(curve, frames, track, drawn);
+  const CsvTable table = read_csv_beside(curve);
+  if (track.space) return read_csv_in_space(table, name, frames, drawn);
+  read_csv(table, name, frames, drawn.front());
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
         ticks, now_ns);
   }
   was_carried_ = false;
-  if (lines_.turns && lines_.turns->goes_round && !goes_home_) go_round();
+  if (goes_round() && !goes_home_) go_round();
 }
 
 /// While its rate changes it goes on, so that a change meets the stop bounds that it was planned with; where
@@ -118,14 +118,17 @@ std::int32_t Transport::turn_on_time_line() const {
   return std::min(frame / lines_.turns->frames, lines_.turns->turns - 1);
 }
 
+std::int32_t Transport::frames_before_turn() const {
+  return lines_.turns ? turn_on_time_line() * lines_.turns->frames : 0;
+}
+
 double Transport::frame_of_turn() const {
-  const std::int32_t before = lines_.turns ? turn_on_time_line() * lines_.turns->frames : 0;
-  return playhead_.time().frame - before + playhead_.time().fraction;
+  return playhead_.time().frame - frames_before_turn() + playhead_.time().fraction;
 }
 
 std::optional<TurnSnapshot> Transport::turn() const {
   if (!lines_.turns && playhead_.repeat() == Repeat::none) return std::nullopt;
-  const bool ends = lines_.turns && !lines_.turns->goes_round;
+  const bool ends = lines_.turns && !goes_round();
   return TurnSnapshot{.turn = turns_gone_ + turn_on_time_line() + 1, .of = ends ? lines_.turns->turns : 0};
 }
 
@@ -263,8 +266,8 @@ void Transport::change_override(int by) {
 
 /// At the rate that it has or goes to; nothing while it rests, or where no end ends it.
 std::optional<double> Transport::seconds_left(double frame) const {
-  const bool goes_round = lines_.turns && lines_.turns->goes_round && direction_ == Direction::forward;
-  if (playhead_.state() != PlayheadState::playing || playhead_.repeat() != Repeat::none || goes_round) {
+  const bool has_no_end = goes_round() && direction_ == Direction::forward;
+  if (playhead_.state() != PlayheadState::playing || playhead_.repeat() != Repeat::none || has_no_end) {
     return std::nullopt;
   }
   const double way =
@@ -275,10 +278,8 @@ std::optional<double> Transport::seconds_left(double frame) const {
 RunSnapshot Transport::snapshot() const {
   const double frame = playhead_.time().frame + playhead_.time().fraction;
   // Of turns the frames are those of each, and the share is that of what is played once.
-  const std::int32_t before = lines_.turns ? turn_on_time_line() * lines_.turns->frames : 0;
-  const bool goes_round = lines_.turns && lines_.turns->goes_round;
-  const double first = goes_round ? before : move_.first_frame();
-  const double frames = goes_round ? lines_.turns->frames : move_.last_frame() - move_.first_frame();
+  const double first = goes_round() ? frames_before_turn() : move_.first_frame();
+  const double frames = goes_round() ? lines_.turns->frames : move_.last_frame() - move_.first_frame();
   RunSnapshot now{.state = loop_.state(),
                   .is_resting = playhead_.is_resting(),
                   .frame = frame_of_turn(),

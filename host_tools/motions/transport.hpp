@@ -81,7 +81,10 @@ class Transport final : public LoopTask {
   Status start();
   void go_round();
   [[nodiscard]] std::int32_t turn_on_time_line() const;
+  /// Of the time line, before the turn that is played.
+  [[nodiscard]] std::int32_t frames_before_turn() const;
   [[nodiscard]] double frame_of_turn() const;
+  [[nodiscard]] bool goes_round() const { return lines_.turns && lines_.turns->goes_round; }
   void pause_or_play();
   void turn();
   void step(Direction direction);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -244,16 +245,28 @@ FollowedPath follow(const MoveTrack& track, const TrackSpec& spec, const RigFile
   return tip_of_axes(track, drawn.path(), kinematics, rig);
 }
 
+/// The path of a track that the core did not solve from the keys. Refers to what it is made of.
+CubicPathSpec path_of_cubics(const MoveTrack& track, std::span<const Cubic> cubics,
+                             std::span<const double> weights, std::span<const FrameKnot> knots,
+                             bool over_frames = false) {
+  return {.spline = track.spline,
+          .closed = track.closed && track.keys.size() > 1,
+          .axis_count = static_cast<std::int32_t>(track.axes.size()),
+          .key_count = static_cast<std::int32_t>(track.keys.size()),
+          .cubics = cubics,
+          .weights = weights,
+          .knots = knots,
+          .over_frames = over_frames};
+}
+
+CubicPathSpec path_of_cubics(const MoveTrack& track, const FollowedPath& path) {
+  return path_of_cubics(track, path.cubics, path.weights, path.knots);
+}
+
 /// The axes of a link are solved over time.
 SolvedTrack solved_over_time(const MoveTrack& track, const MoveFile& move, const TrackedPath& tracked) {
   TrackSpec spec;
-  spec.cubics = CubicPathSpec{.spline = track.spline,
-                              .closed = false,
-                              .axis_count = static_cast<std::int32_t>(track.axes.size()),
-                              .key_count = static_cast<std::int32_t>(track.keys.size()),
-                              .cubics = tracked.path.cubics,
-                              .weights = tracked.path.weights,
-                              .knots = tracked.path.knots};
+  spec.cubics = path_of_cubics(track, tracked.path);
   spec.key_frames = tracked.key_frames;
   spec.kinetic = Kinetic::linear;
   spec.frames = move.frames;
@@ -278,27 +291,14 @@ SolvedTrack solve_track(const MoveTrack& track, const MoveFile& move, const std:
       refuse_curves_in_space(track);
       followed = follow(track, numbers.spec, *rig, *options.kinematics);
       accuracy = followed->accuracy;
-      numbers.spec.cubics = CubicPathSpec{.spline = track.spline,
-                                          .closed = track.closed && track.keys.size() > 1,
-                                          .axis_count = static_cast<std::int32_t>(track.axes.size()),
-                                          .key_count = static_cast<std::int32_t>(track.keys.size()),
-                                          .cubics = followed->cubics,
-                                          .weights = followed->weights,
-                                          .knots = followed->knots};
+      numbers.spec.cubics = path_of_cubics(track, *followed);
       refuse_open_loop(track, *followed);
     }
     NetworkPath network;
     if (track.network) {
       network = network_of(track, numbers.spec);
       numbers.weights.resize(track.axes.size(), 1);  // all 1 where none are given
-      numbers.spec.cubics = CubicPathSpec{.spline = track.spline,
-                                          .closed = false,
-                                          .axis_count = static_cast<std::int32_t>(track.axes.size()),
-                                          .key_count = static_cast<std::int32_t>(track.keys.size()),
-                                          .cubics = network.cubics,
-                                          .weights = numbers.weights,
-                                          .knots = network.knots,
-                                          .over_frames = true};
+      numbers.spec.cubics = path_of_cubics(track, network.cubics, numbers.weights, network.knots, true);
     }
     SolvedTrack solved(numbers.spec, options.solver, {}, same_keys);
     if (same_keys == nullptr) value_or_throw(check_invariants(solved.track(), solved.table()));

@@ -130,8 +130,7 @@ std::optional<PlotPlace> aim_at(const Plan& plan, const PlotMove& plot, const Ti
     const bool has_direction = track.space && !is_row_of_points(track);
     if (!has_direction || track.space->tips.front() != tip.name) continue;
     if (track.space->aim_node) {
-      const std::vector<std::string>& links = plan.kinematics()->links();
-      const auto link = std::ranges::find(links, *track.space->aim_node) - links.begin();
+      const std::int32_t link = link_of(*track.space, *plan.kinematics());
       return place_in_plot(poses[static_cast<std::size_t>(link)].position);
     }
     const SpaceRows rows(*track.space);

@@ -13,7 +13,6 @@
 #include "host_tools/plan/axes_in_space.hpp"
 
 namespace inbetween {
-namespace {
 
 std::int32_t link_of(const MoveSpace& space, const Kinematics& kinematics) {
   const auto link = std::ranges::find(kinematics.links(), *space.aim_node);
@@ -23,6 +22,8 @@ std::int32_t link_of(const MoveSpace& space, const Kinematics& kinematics) {
                                "or give a point: aim = [x, y, z]",
                                in_quotes(*space.aim_node)));
 }
+
+namespace {
 
 /// Whether other tracks move the link at which this one looks.
 bool looks_at_what_moves(const MoveFile& move, std::size_t track, const Kinematics& kinematics,

@@ -2,6 +2,7 @@
 // follows keys of the axes.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,6 +21,10 @@ struct AxisInMove {
   std::optional<std::size_t> track;  // that moves it, or says where it stays
   std::optional<double> held;        // it stays there
 };
+
+/// The link at which a track looks (MoveSpace::aim_node). Throws InputError where the rig has none of that
+/// name.
+std::int32_t link_of(const MoveSpace& space, const Kinematics& kinematics);
 
 /// Makes a point (MoveSpace::fixed_aim) of every link at which a track looks, if it stays where it is, so
 /// that a second time changes nothing. MoveSpace::aim_node remains where another track moves the link. Throws

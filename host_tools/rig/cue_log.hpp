@@ -14,8 +14,8 @@ namespace inbetween {
 class CueLog {
  public:
   /// "-" is standard output. Throws std::runtime_error, one line that starts with the name, where the file
-  /// cannot be opened. `waits`: the loop has time, and waits for room instead. Refers to the pulses, and to
-  /// their move.
+  /// cannot be opened, or is there already. `waits`: the loop has time, and waits for room instead. Refers to
+  /// the pulses, and to their move.
   CueLog(const std::string& file, const std::vector<CuePulse>& pulses, bool waits);
 
   /// The loop's thread calls it. It allocates nothing and makes no system call unless it waits.
