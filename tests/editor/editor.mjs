@@ -103,8 +103,9 @@ export async function edit(move, rig, { text, rigText, viewport = { width: 1280,
   });
   await page.goto(address);
   await page.waitForSelector("#frames");
+  // A path of cubics takes more than the megabyte that node allows a program to say.
   const plan = () => JSON.parse(execFileSync(program, ["plan", path, ...(rig ? ["--rig", join(folder, rig)] : []), "--json", "-"],
-    { stdio: ["ignore", "pipe", "ignore"] }));
+    { stdio: ["ignore", "pipe", "ignore"], maxBuffer: 64 * 1024 * 1024 }));
   // Its exit status is 3 where the move does not fit.
   const check = () => JSON.parse(spawnSync(program, ["check", path, "--rig", join(folder, rig), "--json", "-"]).stdout);
   return {
