@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/motions/go_to.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -97,6 +98,17 @@ TEST(GotoCommand, TheShareSaysHowFast) {
   EXPECT_THAT(stage.go({"track=450", "--sim", "--fast", "--yes"}).err, HasSubstr("in 18.3 s, at 10 %"));
   EXPECT_THAT(stage.go({"track=450", "--sim", "--fast", "--yes", "--speed", "1"}).err,
               HasSubstr("in 2.1 s, at 100 %"));
+}
+
+// The rounding of a position is no jump: at its limit an axis was stopped on the way.
+TEST(GotoCommand, AllOfTheLimitsIsNotMoreThanThem) {
+  for (const char* from : {"slide=0.1", "slide=1", "slide=333.3"}) {
+    for (const char* to : {"slide=555.5", "slide=803", "slide=1799"}) {
+      const ProgramRun run = run_program({"goto", "--rig", in_checkout("examples/camera_rig.toml"), to,
+                                          "--sim", "--fast", "--from", from, "--speed", "1", "--yes"});
+      EXPECT_EQ(run.status, 0) << from << " " << to << "\n" << run.out;
+    }
+  }
 }
 
 TEST(GotoCommand, AnAxisThatIsThereDoesNotMove) {

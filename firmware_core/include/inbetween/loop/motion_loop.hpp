@@ -340,11 +340,16 @@ class MotionLoop {
       memory_.next[d] = played_by(playhead, memory_.motions[d]);
     }
   }
-  /// Whether an axis would go further in this tick than its max_velocity allows.
+  /// Whether an axis would go further in this tick than its max_velocity allows. One that goes exactly
+  /// as fast as that does not, although its positions and their difference are rounded.
   [[nodiscard]] bool jumps(std::size_t axes) {
+    constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
     for (std::size_t d = 0; d < axes; ++d) {
-      const double way = std::fabs(memory_.next[d].position - setpoint(d).position);
-      if (way > spec_.limits[d].max_velocity() * spec_.tick_seconds) return true;
+      const double from = setpoint(d).position;
+      const double to = memory_.next[d].position;
+      const double way = spec_.limits[d].max_velocity() * spec_.tick_seconds;
+      const double rounded = rounding * (std::fabs(from) + std::fabs(to) + way);
+      if (std::fabs(to - from) > way + rounded) return true;
     }
     return false;
   }
