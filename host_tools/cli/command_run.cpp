@@ -20,6 +20,7 @@
 #include "host_tools/cli/shoot_arguments.hpp"
 #include "host_tools/files/fault_script.hpp"
 #include "host_tools/files/output_file.hpp"
+#include "host_tools/loop/jitter.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/rig/rig_watch.hpp"
@@ -38,6 +39,7 @@ struct RunArguments : SetupArguments, ShootArguments {
   bool yes = false;
   double top_rate = 1;
   double rate = 1;
+  double approach_share = slow_share;
   std::optional<std::string> faults;
   std::optional<std::int32_t> turns;
 };
@@ -145,6 +147,7 @@ RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const R
   RunOptions options{.turns = planned.turns,
                      .top_rate = arguments.top_rate,
                      .rate = arguments.rate,
+                     .approach_share = arguments.approach_share,
                      .has_takes = arguments.takes,
                      .take_record = arguments.takes ? arguments.record : std::nullopt,
                      .shoot = shoot_options(arguments),
@@ -297,6 +300,9 @@ void draw_pictures(const RunReport& report, const Plan& plan, const RunArguments
 }
 
 int run_command(const RunArguments& arguments) {
+  if (arguments.allow_jitter && arguments.approach_share > jitter_share) {
+    throw UsageError("with --allow-jitter --speed is 0.1 at most; lower it");
+  }
   refuse_take_arguments(arguments);
   refuse_plot_arguments(arguments);
   refuse_to_play_a_shoot(arguments);
@@ -341,8 +347,8 @@ int run_command(const RunArguments& arguments) {
 constexpr char explanation[] =
     R"(Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check
 does, and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A rig
-that does not stand where the move starts goes there first, at a tenth of its limits and only after somebody
-agreed: with Enter on a terminal, with --yes in a script.
+that does not stand where the move starts goes there first, at a tenth of its limits unless --speed says
+otherwise, and only after somebody agreed: with Enter on a terminal, with --yes in a script.
 
 The drives of a real rig are switched on only where every axis says that it keeps its place without power
 (unpowered = "holds").
@@ -413,6 +419,7 @@ Examples:
   inbetween run move.toml --rig rig.toml --frames 20..80     a part of the move
   inbetween run move.toml --rig rig.toml --sim --fast        for scripts and tests
   inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start first
+  inbetween run move.toml --rig rig.toml --speed 0.5         the same at half of its limits
   inbetween run move.toml --rig rig.toml --sim --step        stop motion
   inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5
   inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)";
@@ -423,7 +430,7 @@ void group_options(CLI::App& app) {
       {"The rig, or one that is simulated",
        {"--rig", "--sim", "--fast", "--from", "--positions", "--allow-jitter", "--faults", "--yes"}},
       {"What is played, and how fast",
-       {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--rate", "--top-rate"}},
+       {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--rate", "--top-rate", "--speed"}},
       {"What is written", {"--json", "--record", "--plot", "--style", "--steps", "--cue-log", "--latency"}}};
   for (const auto& [group, names] : groups) {
     for (const char* name : names) app.get_option(name)->group(group);
@@ -449,6 +456,12 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->capture_default_str();
   app.add_option("--rate", arguments.rate, "begin at so many times the drawn speed")
       ->check(between(0.01, 1.0))
+      ->capture_default_str();
+  app.add_option(
+         "--speed", arguments.approach_share,
+         "the share of their velocity, acceleration and jerk that the axes may use on the way to the\n"
+         "start")
+      ->check(between(0.001, 1.0))
       ->capture_default_str();
   app.add_flag("--yes", arguments.yes, "agree that the rig goes slowly to the start of the move");
   app.add_option("--faults", arguments.faults,

@@ -15,7 +15,6 @@
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
 #include "host_tools/motions/shoot_checks.hpp"
-#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/motions/transport.hpp"
@@ -116,7 +115,7 @@ class Run {
         staged_.plan(), session_.positions(), staged_.playhead().time(), session_.options().as_arguments);
     if (away.empty()) return true;
     refuse_unagreed_way(staged_.plan(), away.front().axis, static_cast<bool>(audience_.confirm));
-    SlowWay& way = way_.emplace(session_.rig(), away, session_.positions(), slow_share);
+    SlowWay& way = way_.emplace(session_.rig(), away, session_.positions(), options_.approach_share);
     if (!audience_.confirm(way.describe("the rig is not where the move starts:"))) {
       end_by(Ending::stopped, "nobody agreed that the rig goes to the start of the move");
       return false;

@@ -7,6 +7,7 @@
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/run_report.hpp"
 #include "host_tools/motions/shooting.hpp"
+#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -21,6 +22,8 @@ struct RunOptions {
   double top_rate = 1;
   /// At how many times the drawn speed it begins; no more than the top rate.
   double rate = 1;
+  /// The share of their limits that the axes may use on the way to the start: above 0, up to 1.
+  double approach_share = slow_share;
   /// Take after take, until somebody leaves: each begins when they ask for it. Not for a move that is shot.
   bool has_takes = false;
   /// The record of a take: %n is its number, and the first is the lowest without a file.

@@ -1,11 +1,14 @@
 // The slow way of a rig, and that of a run to where its move starts.
 #include "host_tools/motions/slow_way.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +18,7 @@
 #include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace slow_way_test {
@@ -208,6 +212,59 @@ TEST(WayToTheStart, WithYesTheRigGoesThereAndThenPlaysTheMove) {
   EXPECT_THAT(run.err, HasSubstr("it goes there in"));
   EXPECT_THAT(run.out, HasSubstr("2001 ticks at 250 Hz")) << "the ticks of the move";
   EXPECT_THAT(run.out, HasSubstr("1640.0000"));
+}
+
+TEST(WayToTheStart, IsAsFastAsItWasSaidAndNoFasterThanTheLimits) {
+  const Plan plan = example();
+  const TemporaryFolder folder;
+  std::string question;
+  const auto fastest_of = [&](double share) {
+    SessionOptions rig{.simulated = true, .fast = true, .standing = {{"slide", 900}}};
+    rig.record = (folder.path() / fmt::format("way{}.csv", share)).string();
+    rig.audience.confirm = [&](const std::string& asked) {
+      question = asked;
+      return true;
+    };
+    // Stopped before the move, so that the record is of the way alone.
+    int tick = 0;
+    rig.audience.keys = [&] { return ++tick == 400 ? "q" : ""; };
+    EXPECT_EQ(run(plan, rig, {.approach_share = share}).ending, Ending::stopped);
+    std::ifstream file(*rig.record);
+    std::string line;
+    double fastest = 0;
+    std::optional<double> before;
+    std::getline(file, line);
+    while (std::getline(file, line)) {
+      std::size_t slide = 0;
+      for (int columns = 0; columns < 4; ++columns) slide = line.find(',', slide) + 1;
+      if (line[slide] == ',') continue;  // told nothing
+      const double told = std::stod(line.substr(slide));
+      if (before) fastest = std::max(fastest, std::fabs(told - *before) * plan.rig()->rate_hz);
+      before = told;
+    }
+    return fastest;
+  };
+  const double max_velocity = plan.rig()->axes[0].max_velocity;
+  EXPECT_NEAR(fastest_of(slow_share), 0.1 * max_velocity, 0.01 * max_velocity);
+  EXPECT_THAT(question, HasSubstr("at 10 % of its limits at most"));
+  const double half = fastest_of(0.5);
+  EXPECT_LE(half, 0.5 * max_velocity * (1 + 1e-6));
+  EXPECT_GT(half, 0.2 * max_velocity);
+  EXPECT_THAT(question, HasSubstr("at 50 % of its limits at most"));
+}
+
+TEST(WayToTheStart, ASpeedBeyondTheLimitsIsRefused) {
+  for (const char* speed : {"1.01", "0", "-1", "x"}) {
+    std::vector<std::string> arguments = from_elsewhere;
+    arguments.insert(arguments.end(), {"--yes", "--speed", speed});
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.status, 2) << speed;
+    EXPECT_THAT(run.err, HasSubstr("--speed")) << speed;
+  }
+  const ProgramRun jitter =
+      run_program({"run", reveal, "--rig", camera_rig, "--allow-jitter", "--speed", "0.2"});
+  EXPECT_EQ(jitter.status, 2);
+  EXPECT_THAT(jitter.err, HasSubstr("with --allow-jitter --speed is 0.1 at most"));
 }
 
 TEST(WayToTheStart, OneThatIsDeclinedMovesNothing) {
