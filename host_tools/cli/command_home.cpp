@@ -46,9 +46,14 @@ int home_command(const HomeArguments& arguments) {
     terminal.emplace();
     options.audience.keys = [&] { return terminal->read(); };
     std::vector<std::string> names;
-    names.reserve(axes.size());
-    for (const std::size_t a : axes) names.push_back(rig.axes[a].name);
-    fmt::print(stderr, "homing {}; Esc stops\n", comma_separated(names));
+    std::string parks;
+    for (const std::size_t a : axes) {
+      const RigAxis& axis = rig.axes[a];
+      names.push_back(axis.name);
+      if (axis.park)
+        parks += fmt::format("; {} parks at {:g} {}", axis.name, *axis.park, to_string(axis.unit));
+    }
+    fmt::print(stderr, "homing {}{}; Esc stops\n", comma_separated(names), parks);
   }
   const SetupEnd end = home(rig, axes, reference, options);
   release_lost_terminal();
@@ -63,7 +68,8 @@ void describe(CLI::App& app, HomeArguments& arguments) {
   add_setup_options(app, arguments.setup, true);
   app.footer(
       R"(The axes home together, as the `home` of each says: fast to the switch, back off it, and slowly onto
-its edge, which is at the position `at`. Nothing moves faster than `fast`. Where an axis rests afterwards is
+its edge, which is at the position `at`. Nothing moves faster than `fast`. Once all are home those that have a
+`park` go to that position, together and at a tenth of their limits at most. Where an axis rests afterwards is
 kept for the next command.
 
 Axes whose CiA 402 drive homes them (`by = "drive"`) come first, one after the other, while no other drive of

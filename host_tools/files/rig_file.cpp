@@ -51,10 +51,10 @@ constexpr std::array<std::string_view, 23> axis_fields = {"name",
                                                           "home",
                                                           "limit_min",
                                                           "limit_max"};
-constexpr std::array<std::string_view, 11> home_fields = {
-    "by", "chip", "line", "active", "bias", "direction", "fast", "slow", "back_off", "search", "at"};
-constexpr std::array<std::string_view, 8> drive_home_fields = {
-    "by", "method", "fast", "slow", "acceleration", "speed_per_unit", "at", "timeout_s"};
+constexpr std::array<std::string_view, 12> home_fields = {
+    "by", "chip", "line", "active", "bias", "direction", "fast", "slow", "back_off", "search", "at", "park"};
+constexpr std::array<std::string_view, 9> drive_home_fields = {
+    "by", "method", "fast", "slow", "acceleration", "speed_per_unit", "at", "timeout_s", "park"};
 constexpr std::array<std::string_view, 4> input_fields = {"chip", "line", "active", "bias"};
 constexpr std::array<std::string_view, 4> emergency_stop_fields = {"chip", "line", "stops_at", "bias"};
 constexpr std::array<std::string_view, 4> camera_fields = {"chip", "line", "idle", "asks"};
@@ -238,6 +238,19 @@ bool is_by_drive(const TomlValue& home) {
   return by != nullptr && TomlValue(*by, "by").choice({"switch", "drive"}) == 1;
 }
 
+/// Of a home by a switch or by the drive.
+std::optional<double> read_park(const TomlValue& home, const RigAxis& axis) {
+  const toml::node* node = home.table().get("park");
+  if (node == nullptr) return std::nullopt;
+  const TomlValue value(*node, "park");
+  const double park = value.number();
+  if (park < axis.min || park > axis.max) {
+    value.refuse(fmt::format("is {} {}, outside {}; write a position between min and max", park,
+                             to_string(axis.unit), range_in_words(axis)));
+  }
+  return park;
+}
+
 Home read_home(const TomlValue& value, const RigAxis& axis, TakenLines& lines) {
   if (std::holds_alternative<Cia402Drive>(axis.drive)) {
     value.refuse(R"(is one by a switch on a line, and a cia402 drive homes itself; write home = { by = )"
@@ -350,6 +363,7 @@ RigAxis read_axis(const TomlValue& value, const RigContext& rig) {
     } else {
       axis.home = read_home(*home, slow_enough_everywhere(axis), rig.lines);
     }
+    axis.park = read_park(*home, axis);
   }
   read_reference(table, axis);
   axis.limit_min = read_switch(table, "limit_min", BrokenWire::preferably_active, rig.lines);

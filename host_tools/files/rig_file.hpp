@@ -213,6 +213,7 @@ struct RigAxis {
   Reference reference = Reference::by_operator;  // by_home exactly if there is a `home`, of either kind
   std::optional<Home> home;                      // of open-loop axes only
   std::optional<DriveHome> drive_home = {};      // of CiA 402 drives only
+  std::optional<double> park = {};               // where it goes once it is home, unit, in min..max
   std::optional<InputLine> limit_min;            // switches at the ends of travel; they stop the rig
   std::optional<InputLine> limit_max;
   Place place;

@@ -9,6 +9,7 @@
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/drive_home.hpp"
+#include "host_tools/motions/go_to.hpp"
 #include "host_tools/motions/rig_homing.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/reference/axis_positions.hpp"
@@ -87,6 +88,49 @@ std::string way_without_home(const RigFile& rig, const RigAxis& axis) {
                : fmt::format("--stands-at {}={:g}", axis.name, axis.min));
 }
 
+/// All of `axes`, which are home then.
+SetupEnd home_all(const RigFile& rig, const std::vector<std::size_t>& axes, RigReference& reference,
+                  const SessionOptions& options) {
+  // Drives that home by themselves come first, one after the other, while no other drive has power.
+  SessionOptions others = options;
+  std::vector<std::size_t> by_switch;
+  SetupEnd end{
+      .is_done = true, .reason = "the axes are home", .positions = std::vector<double>(rig.axes.size())};
+  for (const std::size_t a : axes) {
+    if (rig.axes[a].home) by_switch.push_back(a);
+    if (!rig.axes[a].drive_home) continue;
+    SetupEnd homed = home_by_drive(rig, a, reference, options);
+    if (!homed.is_done) return homed;
+    end.positions[a] = homed.positions[a];
+    others.standing.erase(rig.axes[a].name);
+  }
+  if (by_switch.empty()) return end;
+  RigSession session(rig, reference, others);
+  return end_of(session, [&]() -> SetupEnd {
+    if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
+    refuse_changed_rig(rig.path, options.audience.rig_has_changed);
+    return home_armed(session, by_switch, reference);
+  });
+}
+
+/// Those of `axes` that park, from where they are home. In a session of its own: the drives count from the
+/// homes only when they are placed anew. Whoever let them home has agreed to where the rig says that they
+/// park.
+SetupEnd park(const RigFile& rig, const std::vector<std::size_t>& axes, RigReference& reference,
+              SessionOptions options, const SetupEnd& home) {
+  std::vector<GoTarget> targets;
+  for (const std::size_t a : axes) {
+    options.standing.erase(rig.axes[a].name);
+    if (rig.axes[a].park) targets.push_back({.axis = a, .position = *rig.axes[a].park});
+  }
+  if (targets.empty()) return home;
+  options.audience.confirm = [](const std::string&) { return true; };
+  SetupEnd end = go_to(rig, targets, reference, {.session = options});
+  end.reason = end.is_done ? home.reason + ", and parked" : home.reason + ", but not parked: " + end.reason;
+  if (end.positions.empty()) end.positions = home.positions;
+  return end;
+}
+
 }  // namespace
 
 std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::string>& names) {
@@ -114,26 +158,8 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
 SetupEnd home(const RigFile& rig, const std::vector<std::size_t>& axes, RigReference& reference,
               const SessionOptions& options) {
   if (options.allow_jitter) refuse_fast_homing(rig, axes);
-  // Drives that home by themselves come first, one after the other, while no other drive has power.
-  SessionOptions others = options;
-  std::vector<std::size_t> by_switch;
-  SetupEnd end{
-      .is_done = true, .reason = "the axes are home", .positions = std::vector<double>(rig.axes.size())};
-  for (const std::size_t a : axes) {
-    if (rig.axes[a].home) by_switch.push_back(a);
-    if (!rig.axes[a].drive_home) continue;
-    SetupEnd homed = home_by_drive(rig, a, reference, options);
-    if (!homed.is_done) return homed;
-    end.positions[a] = homed.positions[a];
-    others.standing.erase(rig.axes[a].name);
-  }
-  if (by_switch.empty()) return end;
-  RigSession session(rig, reference, others);
-  return end_of(session, [&]() -> SetupEnd {
-    if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
-    refuse_changed_rig(rig.path, options.audience.rig_has_changed);
-    return home_armed(session, by_switch, reference);
-  });
+  const SetupEnd end = home_all(rig, axes, reference, options);
+  return end.is_done ? park(rig, axes, reference, options, end) : end;
 }
 
 }  // namespace inbetween

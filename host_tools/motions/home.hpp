@@ -13,9 +13,10 @@ namespace inbetween {
 /// axis that the rig has not, or that has no `home`, and for a rig in which none has.
 std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::string>& names);
 
-/// Switches the rig on, homes the axes together, and switches it off. What an axis knew of its position is
-/// forgotten when it begins; if one fails all stop, and what has not been referenced by then is unreferenced.
-/// SetupEnd::positions are those of the new reference.
+/// Switches the rig on, homes the axes together, and switches it off. Where all are home, those that have a
+/// `park` go there, slowly and together (go_to.hpp), which a failure to home keeps from beginning. What an
+/// axis knew of its position is forgotten when it begins; if one fails all stop, and what has not been
+/// referenced by then is unreferenced. SetupEnd::positions are those of the new reference.
 ///
 /// Throws InputError where the rig file has changed since it was read, or, without real-time rights, an axis
 /// is to home faster than at a tenth of its velocity; and what RigSession and RigReference throw.

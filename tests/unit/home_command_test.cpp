@@ -283,6 +283,60 @@ TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   }
 }
 
+// --- and where they park
+
+/// The slider whose slide parks at 100, on a virtual clock, with a key before a tick.
+struct Parking {
+  RigFile rig = parse_rig(text(), "rig.toml");
+  RigReference reference{rig};
+  int ticks = 0;
+
+  static std::string text() {
+    std::string text = slider;
+    return text.insert(text.find("at = -5") + 7, ", park = 100");
+  }
+  SetupEnd home(int key_at = -1) {
+    SessionOptions options{
+        .simulated = true, .fast = true, .standing = {{"slide", 30}, {"focus", 40}, {"pan", 80}}};
+    ticks = 0;
+    options.audience.keys = [this, key_at] { return ++ticks == key_at ? "\x1b" : ""; };
+    return inbetween::home(rig, home_axes(rig, {}), reference, options);
+  }
+};
+
+TEST(Home, AnAxisWithAParkGoesThereSlowlyOnceAllAreHome) {
+  Parking bench;
+  const SetupEnd end = bench.home();
+  EXPECT_TRUE(end.is_done) << end.reason;
+  EXPECT_EQ(end.reason, "the axes are home, and parked");
+  EXPECT_NEAR(end.positions[0], 100, 1.0 / 80);
+  EXPECT_NEAR(*bench.reference.position(0), 100, 1.0 / 80) << "and that is kept";
+  EXPECT_NEAR(end.positions[2], 92, 3) << "without a park it stays behind its switch";
+  const int with_park = bench.ticks;
+  bench.rig.axes[0].park.reset();
+  EXPECT_EQ(bench.home().reason, "the axes are home");
+  // From its switch at -5, at 12 mm/s, a tenth of its velocity.
+  EXPECT_GT(with_park - bench.ticks, 100 / 12.0 * 250) << "no faster than any slow way";
+}
+
+TEST(Home, AStopOnTheWayToItsParkIsSaidAndTheAxisIsHome) {
+  Parking bench;
+  ASSERT_TRUE(bench.home().is_done);
+  const SetupEnd end = bench.home(bench.ticks - 500);
+  EXPECT_FALSE(end.is_done);
+  EXPECT_THAT(end.reason, HasSubstr("the axes are home, but not parked: stopped on the way"));
+  EXPECT_GT(end.positions[0], 0);
+  EXPECT_LT(end.positions[0], 99);
+  EXPECT_TRUE(bench.reference.is_referenced(0));
+}
+
+TEST(Home, NothingParksWhereAHomingFailed) {
+  Parking bench;
+  const SetupEnd end = bench.home(100);
+  EXPECT_FALSE(end.is_done);
+  EXPECT_THAT(end.reason, testing::Not(HasSubstr("park")));
+}
+
 // --- the command
 
 struct Stage {

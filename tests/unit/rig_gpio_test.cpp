@@ -314,6 +314,17 @@ TEST(RigGpio, AHomeSaysWhereAndHowFast) {
   expect_change_refused("back_off", "@backoff", {"did you mean \"back_off\"?"});
 }
 
+TEST(RigGpio, AnAxisParksInsideItsLimitsOnceItIsHome) {
+  EXPECT_EQ(parse_rig(slider, "slider.toml").axes.at(0).park, std::nullopt);
+  EXPECT_EQ(changed("back_off = 5", "back_off = 5, park = 40").axes.at(0).park, 40);
+  EXPECT_EQ(changed("back_off = 5", "back_off = 5, park = 800").axes.at(0).park, 800);
+  for (const char* park : {"800.5", "-0.1", "1e9"}) {
+    expect_change_refused("back_off = 5", std::string("back_off = 5, park = @") + park,
+                          {"park is ", " mm, outside 0..800", "write a position between min and max"});
+  }
+  expect_change_refused("back_off = 5", "back_off = 5, park = @\"left\"", {"park", "number"});
+}
+
 TEST(RigGpio, ADriveThatKnowsWhereItIsHomesItself) {
   const std::string odrive = with(can_rig, R"("cia402")", R"("odrive", firmware = "0.6")");
   expect_rig_refused(with(odrive, "counts_per_unit = 1000", "turns_per_unit = 0.01") + "home = @{}\n",

@@ -66,6 +66,7 @@ void require_home(const RigAxis& axis) {
   fuzz_require((axis.reference == Reference::by_home) == axis.home.has_value(), "a home is used");
   fuzz_require(axis.reference != Reference::by_drive || !is_open_loop(axis.drive),
                "a drive that is asked knows");
+  fuzz_require(!axis.park || (*axis.park >= axis.min && *axis.park <= axis.max), "it parks in its range");
   if (!axis.home) return;
   const Home& home = *axis.home;
   fuzz_require(is_open_loop(axis.drive), "a drive that knows is not homed");
