@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/motions/lone_axis.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
@@ -46,38 +46,6 @@ class HomingDrive {
   bool is_on_limit_ = false;
 };
 
-/// The rig as far as this axis needs it.
-RigFile alone(const RigFile& rig, std::size_t axis) {
-  RigFile one = rig;
-  one.axes = {rig.axes[axis]};
-  std::get<Cia402Drive>(one.axes[0].drive).homing = rig.axes[axis].drive_home;
-  one.start_trigger.reset();
-  one.camera.reset();
-  one.outputs.clear();
-  one.kinematics.reset();
-  return one;
-}
-
-SessionOptions alone(const SessionOptions& options, const RigFile& rig, std::size_t axis,
-                     const RigReference& reference) {
-  SessionOptions one = options;
-  const std::string& name = rig.axes[axis].name;
-  const auto truly = options.standing.find(name);
-  one.standing.clear();
-  if (truly != options.standing.end()) {
-    one.standing[name] = truly->second;
-  } else if (const auto known = reference.position(axis)) {
-    one.standing[name] = *known;
-  }
-  one.faults.faults.clear();
-  for (ScriptedFault fault : options.faults.faults) {
-    if (fault.axis != axis) continue;
-    fault.axis = 0;
-    one.faults.faults.push_back(std::move(fault));
-  }
-  return one;
-}
-
 std::string reason_of(const RigSession& session, const HomingDrive& motion, const can::Cia402Homing& homing) {
   const std::string axis = "axis " + in_quotes(session.rig().axes[0].name) + ": ";
   if (homing.failure() != can::DriveHomingFailure::none) {
@@ -94,9 +62,10 @@ std::string reason_of(const RigSession& session, const HomingDrive& motion, cons
 
 SetupEnd home_by_drive(const RigFile& rig, std::size_t axis, RigReference& reference,
                        const SessionOptions& options) {
-  const RigFile one = alone(rig, axis);
+  RigFile one = lone_axis(rig, axis);
+  std::get<Cia402Drive>(one.axes[0].drive).homing = rig.axes[axis].drive_home;
   RigReference none(one);
-  RigSession session(one, none, alone(options, rig, axis, reference));
+  RigSession session(one, none, lone_axis_options(options, rig, axis, reference));
   return end_of(session, [&]() -> SetupEnd {
     if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
     refuse_changed_rig(rig.path, options.audience.rig_has_changed);

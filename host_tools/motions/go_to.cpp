@@ -9,6 +9,7 @@
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/jog.hpp"
+#include "host_tools/motions/lone_axis.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
@@ -91,6 +92,23 @@ SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigRefere
   return move(session, away, reference, options.share, options);
 }
 
+SetupEnd move_by(RigSession& session, std::size_t axis, double way, RigReference& reference,
+                 const GoOptions& options) {
+  if (!session.arm()) return not_switched_on(session);
+  const RigAxis& of = session.rig().axes[axis];
+  const double from = session.positions()[axis];
+  const double to = from + way;
+  const bool is_referenced = reference.is_referenced(axis);
+  if (is_referenced && (to < of.min || to > of.max)) {
+    throw LimitError(of.place,
+                     fmt::format("{} stands at {:.10g} {} and would go to {:.10g}, outside its limits "
+                                 "{}; write another way, such as {:g}",
+                                 named(of), from, to_string(of.unit), to, range_in_words(of), -way));
+  }
+  return move(session, {{.axis = axis, .position = to}}, reference,
+              options.share * (is_referenced ? 1 : unreferenced_jog_share), options);
+}
+
 }  // namespace
 
 SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigReference& reference,
@@ -105,22 +123,13 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
 
 SetupEnd go_by(const RigFile& rig, std::size_t axis, double way, RigReference& reference,
                const GoOptions& options) {
+  if (!reference.is_referenced(axis)) {
+    return use_alone(rig, axis, reference, options.session, [&](RigSession& session, RigReference& unknown) {
+      return move_by(session, 0, way, unknown, options);
+    });
+  }
   RigSession session(rig, reference, options.session);
-  return end_of(session, [&]() -> SetupEnd {
-    if (!session.arm()) return not_switched_on(session);
-    const RigAxis& of = rig.axes[axis];
-    const double from = session.positions()[axis];
-    const double to = from + way;
-    const bool is_referenced = reference.is_referenced(axis);
-    if (is_referenced && (to < of.min || to > of.max)) {
-      throw LimitError(of.place,
-                       fmt::format("{} stands at {:.10g} {} and would go to {:.10g}, outside its limits "
-                                   "{}; write another way, such as {:g}",
-                                   named(of), from, to_string(of.unit), to, range_in_words(of), -way));
-    }
-    return move(session, {{.axis = axis, .position = to}}, reference,
-                options.share * (is_referenced ? 1 : unreferenced_jog_share), options);
-  });
+  return end_of(session, [&] { return move_by(session, axis, way, reference, options); });
 }
 
 }  // namespace inbetween

@@ -30,7 +30,8 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
                const GoOptions& options);
 
 /// The same for one axis, by `way` from where it stands. One that does not know where it is has no limits,
-/// and gets a tenth of the share. Throws LimitError where another would leave its limits.
+/// gets a tenth of the share, and moves alone: nothing is sent to other drives (lone_axis.hpp). Throws
+/// LimitError where another would leave its limits.
 SetupEnd go_by(const RigFile& rig, std::size_t axis, double way, RigReference& reference,
                const GoOptions& options);
 
