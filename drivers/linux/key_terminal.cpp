@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <cstddef>
+#include <string_view>
 
 namespace inbetween {
 
@@ -26,10 +27,30 @@ KeyTerminal::~KeyTerminal() {
   tcsetattr(STDIN_FILENO, TCSANOW, &before_);
 }
 
+// As much as a terminal keeps (N_TTY_BUF_SIZE), so that no control sequence is read in two pieces.
 std::string KeyTerminal::read() {
-  std::array<char, 64> bytes;
+  std::array<char, 4096> bytes;
   const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
   return count > 0 ? std::string(bytes.data(), static_cast<std::size_t>(count)) : std::string();
+}
+
+namespace {
+
+/// A terminal that is lost has nothing to be told.
+void tell_terminal(std::string_view sequence) {
+  static_cast<void>(!::write(STDERR_FILENO, sequence.data(), sequence.size()));
+}
+
+}  // namespace
+
+void KeyReleases::ask() {
+  if (has_asked_ || isatty(STDERR_FILENO) == 0) return;
+  has_asked_ = true;
+  tell_terminal("\x1b[>2u\x1b[?u");
+}
+
+KeyReleases::~KeyReleases() {
+  if (has_asked_) tell_terminal("\x1b[<u");
 }
 
 void release_lost_terminal() {

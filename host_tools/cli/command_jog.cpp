@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +24,6 @@
 namespace inbetween {
 namespace {
 
-constexpr double default_reach = 0.1;
 constexpr double default_share = 0.1;
 
 struct JogArguments {
@@ -33,19 +31,20 @@ struct JogArguments {
   std::string axis;
   double share = default_share;
   std::optional<std::string> device;
-  std::optional<double> reach;
+  double reach = jog_reach_share;
   std::optional<std::string> teach;
   std::vector<std::string> axes_of_new;
   std::optional<double> measure;
   bool yes = false;
 };
 
-void print_steps(const RigFile& rig, const RigReference& reference) {
-  for (std::size_t a = 0; a < rig.axes.size(); ++a) {
+void print_steps(const RigFile& rig, const std::vector<std::size_t>& axes, const RigReference& reference) {
+  for (const std::size_t a : axes) {
     const RigAxis& axis = rig.axes[a];
     fmt::print(stderr, "  {:<16}steps of {:g} {}{}\n", axis.name, fmt::join(jog_increments(axis), ", "),
                to_string(axis.unit), reference.is_referenced(a) ? "" : "; unreferenced: no limits, slow");
   }
+  if (axes.size() < rig.axes.size()) fmt::print(stderr, "  nothing is sent to the other drives of the rig\n");
 }
 
 int measure(const JogArguments& arguments) {
@@ -71,8 +70,6 @@ int jog_command(const JogArguments& arguments) {
   if (arguments.setup.allow_jitter && arguments.share > jitter_share) {
     throw UsageError("with --allow-jitter --speed is 0.1 at most");
   }
-  if (arguments.reach && !arguments.device)
-    throw UsageError("--reach is for a key that is held; add --device");
   if (!arguments.axes_of_new.empty() && !arguments.teach)
     throw UsageError("--axes is for a new move; add --teach");
   std::optional<HeldKeys> held;
@@ -83,17 +80,23 @@ int jog_command(const JogArguments& arguments) {
   RigReference reference = reference_of(rig, arguments.setup.positions, arguments.setup.simulated);
   std::optional<TaughtKeys> teaching;
   if (arguments.teach) teaching.emplace(*arguments.teach, arguments.axes_of_new, rig, reference);
-  print_steps(rig, reference);
+  const std::vector<std::size_t> axes = jogged_axes(rig, selected, reference);
+  print_steps(rig, axes, reference);
+  RigFile shown = rig;
+  if (axes.size() == 1) shown.axes = {rig.axes[selected]};
   const InterruptWatch interrupts;
-  JogOptions options{.share = arguments.share, .session = session_options_of(arguments.setup)};
+  JogOptions options{.share = arguments.share,
+                     .reach = arguments.reach,
+                     .has_device = held.has_value(),
+                     .session = session_options_of(arguments.setup)};
   SetupEnd end;
   {
     KeyTerminal terminal;
     RunScreen screen(fmt::format("{}{}, by hand", rig.name, arguments.setup.simulated ? ", simulated" : ""),
-                     rig);
+                     shown);
+    KeyReleases releases;
     options.session.audience.keys = [&] { return terminal.read() + (held ? held->typed() : ""); };
     if (held) {
-      options.reach = arguments.reach.value_or(default_reach);
       options.session.audience.device = [&] { return held->read(MonotonicClock().now_ns()); };
     }
     options.session.audience.interrupted = &InterruptWatch::asked;
@@ -102,6 +105,7 @@ int jog_command(const JogArguments& arguments) {
       if (!now.jog) return;
       if (teaching) screen.tell(teaching->shown(now.jog->axis));
       screen.show(now);
+      releases.ask();
     };
     if (teaching) {
       options.teach = [&](TransportKey key, std::size_t axis, const std::vector<double>& positions) {
@@ -112,9 +116,7 @@ int jog_command(const JogArguments& arguments) {
   }
   release_lost_terminal();
   fmt::print("{}: {}\n", rig.name, end.reason);
-  std::vector<std::size_t> all(end.positions.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  print_positions(rig, reference, all, end.positions);
+  if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);
   if (teaching) fmt::print("{}\n", teaching->summary());
   return end.is_done ? 0 : exit_fault;
 }
@@ -130,9 +132,10 @@ void describe(CLI::App& app, JogArguments& arguments) {
                  "a keyboard, game pad or jog wheel of /dev/input: its left and right move the axis while\n"
                  "they are held, its wheel moves it a step a detent");
   app.add_option("--reach", arguments.reach,
-                 "with --device: the share of its range that an axis moves at most, then the key must be\n"
-                 "pressed anew (0.1 unless said otherwise)")
-      ->check(between(0.001, 1.0));
+                 "the share of its range that a key that is held moves an axis at most, then it must be\n"
+                 "pressed anew")
+      ->check(between(0.001, 1.0))
+      ->capture_default_str();
   app.add_option("--teach", arguments.teach,
                  "the move whose keys are stored where the rig stands; the first key makes a new one");
   app.add_option("--axes", arguments.axes_of_new,
@@ -146,12 +149,17 @@ void describe(CLI::App& app, JogArguments& arguments) {
   app.add_flag("--yes", arguments.yes, "with --measure: agree that the axis moves");
   app.footer(
       R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
-hundredth of the way between its limits at most. Up and down choose the axis, any other key stops it; q, Esc
-and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does nothing,
-and neither do the repeats of a key that is held, since a terminal does not tell when it is let go. To be told
-apart from those a press waits 150 ms.
+hundredth of the way between its limits, and a count of its drive at least. Up and down choose the axis, any other key stops it; q, Esc
+and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does nothing.
 
-With --device the axis moves while right or left, + or - on the keypad, or the cross of a game pad is held,
+A key that is held moves the axis on after its step, until it is let go or has moved it by the --reach; then it
+must be pressed anew. A terminal with kitty's keyboard protocol (kitty, foot, Ghostty, WezTerm and others) tells
+when a key is let go. Others, tmux and the console among them, repeat a key that is held: there a press waits
+150 ms, a key counts as held once two repeats came at the rate of a keyboard (10 to 120 ms apart), and as let go
+150 ms after the last one. The same silence ends it where a release is lost, the terminal hangs or the connection
+drops. Keys that come later than they were pressed, all at once, move nothing.
+
+With --device instead the axis moves while right or left, + or - on the keypad, or the cross of a game pad is held,
 and rests as soon as its limits allow when it is let go, when the device is unplugged, or when it has moved by
 the --reach. It begins from neutral only: after a second key, or a key that was held before, let go of all.
 A program that does not look at the device for 150 ms takes it for let go. A detent of a wheel is one step at
@@ -173,9 +181,10 @@ positions in one wrong scale cannot find that out by itself.
 
 Axes stay inside their soft limits. One that stands outside moves inwards only, at a tenth of its velocity at
 most until this command ends. An unreferenced axis (one that does not know where it is) has none: it
-moves at a tenth of the share at most. Bring it to its mark, and say so with inbetween goto --set-zero.
+moves at a tenth of the share at most, and alone: where AXIS is one nothing is sent to the other drives of the
+rig, and up and down choose nothing. Bring it to its mark, and say so with inbetween goto --set-zero.
 
-Exit status: 0 left; 1 refused; 4 stopped by something else.
+Exit status: 0 left, by whichever key; 1 refused; 4 stopped by something else.
 
 Examples:
   inbetween jog --rig rig.toml focus

@@ -54,8 +54,8 @@ std::string state_of_jog(const JogSnapshot& jog) {
       jog.is_referenced ? fmt::format("in {:g}..{:g}", jog.min, jog.max) : std::string("UNREFERENCED");
   const std::string stop = jog.stop_way > 0 ? fmt::format("  stops in {:.3g}", jog.stop_way) : "";
   const std::string reach = jog.reach > 0 ? fmt::format("reach {:g}  ", jog.reach) : "";
-  return fmt::format("{} {:.3f} {} {}  {}step {}: {:g}{}", jog.axis, jog.position, jog.unit, limits, reach,
-                     jog.size, jog.increment, stop);
+  return fmt::format("{} {:.3f} {} {}  {}step {}: {:g}{}{}", jog.axis, jog.position, jog.unit, limits, reach,
+                     jog.size, jog.increment, jog.is_count ? " (a count)" : "", stop);
 }
 
 }  // namespace
@@ -90,10 +90,12 @@ std::string state_line(const RunSnapshot& snapshot) {
 std::string hint_line(const RunSnapshot& snapshot) {
   if (*snapshot.words != 0) return snapshot.words;
   if (snapshot.state != SupervisorState::running) return hint_at_rest(snapshot.state);
-  if (snapshot.jog && snapshot.jog->reach > 0) {
-    return "of the device: hold left or right, or turn; 1-5 size, up down axis, q leaves";
+  if (snapshot.jog) {
+    return fmt::format("{}; 1-5 size, {}q leaves",
+                       snapshot.jog->by_device ? "of the device: hold left or right, or turn"
+                                               : "left right step, held: move on",
+                       snapshot.jog->is_alone ? "" : "up down axis, ");
   }
-  if (snapshot.jog) return "left right step, 1-5 size, up down axis, q leaves";
   if (snapshot.shoot) return hint_of_shoot(*snapshot.shoot);
   if (*snapshot.doing != 0) return "Esc stops";
   return snapshot.is_resting ? "space plays, arrows step, r turns, q leaves"

@@ -1,5 +1,7 @@
 #include "host_tools/loop/transport_keys.hpp"
 
+#include <charconv>
+
 namespace inbetween {
 namespace {
 
@@ -53,13 +55,87 @@ std::size_t sequence_length(std::string_view bytes) {
   return last < bytes.size() ? last + 1 : 0;
 }
 
-std::optional<TransportKey> key_of_sequence(std::string_view end) {
-  if (end == "A") return TransportKey::previous_axis;
-  if (end == "B") return TransportKey::next_axis;
-  if (end == "C") return TransportKey::step_forward;
-  if (end == "D") return TransportKey::step_backward;
-  if (end == "H" || end == "1~" || end == "7~") return TransportKey::home;
-  return std::nullopt;
+/// The numbers of a control sequence, "1;129:2": what a key is, the modifiers with it, and what became of it.
+struct KeyNumbers {
+  enum class Event : int { press = 1, repeat, release };
+
+  int code = 1;
+  int modifiers = 1;
+  Event event = Event::press;
+
+  /// One of Shift, Alt, Ctrl, Super, Hyper, Meta; Caps Lock and Num Lock are none.
+  [[nodiscard]] bool has_modifier() const { return ((modifiers - 1) & 0x3F) != 0; }
+  [[nodiscard]] bool has_shift() const { return ((modifiers - 1) & 0x3F) == 1; }
+  [[nodiscard]] bool has_control() const { return ((modifiers - 1) & 0x3F) == 4; }
+};
+
+/// The first number of a text; `otherwise` where it begins with none.
+int number_at(std::string_view text, int otherwise) {
+  int number = otherwise;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+/// What stands behind the first of these letters; "" where there is none.
+std::string_view behind(std::string_view text, char letter) {
+  const std::size_t at = text.find(letter);
+  return at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
+}
+
+KeyNumbers numbers_of(std::string_view text) {
+  const std::string_view with = behind(text, ';');
+  const std::string_view event = behind(with.substr(0, with.find(';')), ':');
+  return {.code = number_at(text, 1),
+          .modifiers = number_at(with, 1),
+          .event = static_cast<KeyNumbers::Event>(number_at(event, 1))};
+}
+
+/// 1 forward, -1 backward, 0 for another key.
+int direction_of(const KeyNumbers& key, char letter) {
+  constexpr int keypad_minus = 57412, keypad_plus = 57413;
+  if (letter == 'u' && key.code == '=' && key.has_shift()) return 1;  // + on many keyboards
+  if (key.has_modifier()) return 0;
+  if (letter == 'C') return 1;
+  if (letter == 'D') return -1;
+  if (letter != 'u') return 0;
+  if (key.code == '+' || key.code == keypad_plus) return 1;
+  return key.code == '-' || key.code == keypad_minus ? -1 : 0;
+}
+
+/// A key that is let go may have lost its Shift before.
+bool may_have_direction(const KeyNumbers& key, char letter) {
+  return direction_of({.code = key.code}, letter) != 0 || (letter == 'u' && key.code == '=');
+}
+
+std::optional<TransportKey> key_of_code(const KeyNumbers& key) {
+  if (key.has_control()) return key.code == 'c' ? std::optional(TransportKey::quit) : std::nullopt;
+  if (key.has_modifier() || key.code <= 0 || key.code > 127) return std::nullopt;
+  return key.code == escape ? TransportKey::stop : key_of(static_cast<char>(key.code));
+}
+
+/// What stands between the beginning of a control sequence and its last letter, and that letter.
+std::optional<TransportKey> key_of_sequence(std::string_view numbers, char letter) {
+  if (letter == 'u' && numbers.starts_with('?')) {
+    constexpr int event_types = 2;
+    const bool tells = (number_at(numbers.substr(1), 0) & event_types) != 0;
+    return tells ? std::optional(TransportKey::tells_releases) : std::nullopt;
+  }
+  const KeyNumbers key = numbers_of(numbers);
+  if (key.event == KeyNumbers::Event::release) {
+    return may_have_direction(key, letter) ? std::optional(TransportKey::let_go) : std::nullopt;
+  }
+  if (const int direction = direction_of(key, letter); direction != 0) {
+    if (key.event == KeyNumbers::Event::repeat)
+      return direction > 0 ? TransportKey::repeat_forward : TransportKey::repeat_backward;
+    return direction > 0 ? TransportKey::step_forward : TransportKey::step_backward;
+  }
+  if (key.event != KeyNumbers::Event::press) return std::nullopt;
+  if (letter == 'u') return key_of_code(key);
+  if (key.has_modifier()) return std::nullopt;
+  if (letter == 'A') return TransportKey::previous_axis;
+  if (letter == 'B') return TransportKey::next_axis;
+  const bool is_home = letter == 'H' || (letter == '~' && (key.code == 1 || key.code == 7));
+  return is_home ? std::optional(TransportKey::home) : std::nullopt;
 }
 
 }  // namespace
@@ -67,7 +143,8 @@ std::optional<TransportKey> key_of_sequence(std::string_view end) {
 void TransportKeys::feed(std::string_view bytes) {
   while (!bytes.empty()) {
     if (const std::size_t length = sequence_length(bytes); length > 0) {
-      if (const std::optional<TransportKey> key = key_of_sequence(bytes.substr(2, length - 2))) {
+      if (const std::optional<TransportKey> key =
+              key_of_sequence(bytes.substr(2, length - 3), bytes[length - 1])) {
         keys_.push_back(*key);
       }
       bytes.remove_prefix(length);

@@ -26,11 +26,14 @@ enum class TransportKey {
   size_3,
   size_4,
   size_5,
-  quit,           ///< q: stop, and leave
-  hold_forward,   ///< of a device that tells when it is let go: pressed
-  hold_backward,  ///< the same
-  still_held,     ///< told again and again meanwhile
-  let_go,
+  quit,            ///< q: stop, and leave
+  hold_forward,    ///< of a device that tells when it is let go: pressed
+  hold_backward,   ///< the same
+  still_held,      ///< told again and again meanwhile
+  let_go,          ///< of such a device, and of a terminal that tells it
+  repeat_forward,  ///< of a terminal that tells releases: held
+  repeat_backward,
+  tells_releases,  ///< the terminal does, from now on
   device_gone,     ///< unplugged
   detent_forward,  ///< of a wheel
   detent_backward,
@@ -42,8 +45,10 @@ enum class TransportKey {
   refused,         ///< what would begin something, after the rig file was changed
 };
 
-/// From the bytes that a terminal sends. Other keys are ignored. An Esc that begins no arrow key is a stop:
-/// what follows it in the same read decides (a terminal sends an arrow key in one piece).
+/// From the bytes that a terminal sends, also by kitty's keyboard protocol, which tells of right, left, + and
+/// - when they are repeated and let go (KeyReleases asks for it). Other keys are ignored. An Esc that begins
+/// no arrow key is a stop: what follows it in the same read decides (a terminal sends an arrow key in one
+/// piece).
 class TransportKeys {
  public:
   /// Takes the text of one read.

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <utility>
 
 #include "host_tools/files/diagnostics.hpp"
 #include "host_tools/files/rig_motors.hpp"
+#include "host_tools/motions/lone_axis.hpp"
+#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
@@ -48,13 +51,21 @@ JogIncrements jog_increments(const RigAxis& axis) {
   while (of_series(largest) > most) --largest;
   JogIncrements increments;
   for (std::size_t i = 0; i < increments.size(); ++i) {
-    increments[i] = of_series(largest - 2 * static_cast<int>(increments.size() - 1 - i));
+    increments[i] =
+        std::max(of_series(largest - 2 * static_cast<int>(increments.size() - 1 - i)), count_of(axis));
   }
   return increments;
 }
 
+double JogAxis::increment(std::size_t size, double position, int direction) const {
+  if (calibration == nullptr) return std::max(increments[size], count);
+  const double motor_way = calibration->slope_at(position).first > 0 ? direction * count : -direction * count;
+  const double a_count_on = calibration->axis_at(calibration->motor_at(position) + motor_way);
+  return std::max(increments[size], std::fabs(a_count_on - position));
+}
+
 Jog::Jog(RunLoop& loop, const FreeSpec& spec, FreeAxes& free, std::vector<JogAxis> axes, std::size_t selected,
-         bool teaches)
+         JogKeys keys)
     : loop_(loop),
       spec_(spec),
       free_(free),
@@ -63,7 +74,7 @@ Jog::Jog(RunLoop& loop, const FreeSpec& spec, FreeAxes& free, std::vector<JogAxi
       states_(loop.drive_states().size()),
       keys_(loop, false),
       selected_(selected),
-      teaches_(teaches) {}
+      wanted_(keys) {}
 
 Status Jog::begin() {
   if (has_begun_) return Done{};
@@ -73,18 +84,31 @@ Status Jog::begin() {
 }
 
 void Jog::press(TransportKey key) {
-  if (key == TransportKey::let_go) return let_go();
+  if (key == TransportKey::let_go) {
+    terminal_.release();
+    return let_go();
+  }
+  if (key == TransportKey::tells_releases) return terminal_.tells_releases();
   if (key == TransportKey::device_gone) return keys_.say("the device is gone: leave with q, and begin again");
   if (key == TransportKey::still_held) {
     held_ns_ = now_ns_;
     return;
   }
+  // Nobody attends whom a stop could wait for: whoever stops everything leaves.
+  if (key == TransportKey::stop) key = TransportKey::quit;
   if (keys_.press(key)) {
     pressed_ = held_ = 0;
+    terminal_.forget();
     return;
   }
   if (!keys_.is_running()) return;
   switch (key) {
+    case TransportKey::repeat_forward:
+      terminal_.repeat(1, now_ns_);
+      return pressed(0);
+    case TransportKey::repeat_backward:
+      terminal_.repeat(-1, now_ns_);
+      return pressed(0);
     case TransportKey::hold_forward:
       return hold(1);
     case TransportKey::hold_backward:
@@ -115,20 +139,17 @@ void Jog::press(TransportKey key) {
     case TransportKey::teach_insert:
     case TransportKey::teach_replace:
     case TransportKey::teach_undo:
-      return teaches_ ? teach(key) : stop();
+      return wanted_.teach ? teach(key) : stop();
     default:
       return stop();
   }
 }
 
-/// A press too soon after another is a repeat, and so was that one.
+/// A direction came from the terminal; 0 for one that it has repeated, and says so.
 void Jog::pressed(int direction) {
-  if (axes_[selected_].reach > 0) return keys_.say("the keys of the device move it");
-  const bool repeats = pressed_ns_ && now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s);
-  pressed_ = repeats ? 0 : direction;
-  is_detent_ = false;
-  pressed_ns_ = now_ns_;
-  if (repeats) keys_.say("a key that is held moves nothing: press it for each step");
+  if (wanted_.device) return keys_.say("the keys of the device move it");
+  if (direction != 0) terminal_.press(direction, now_ns_);
+  if (terminal_.is_refused()) keys_.say("two keys at once, or late ones: let go, and press again");
 }
 
 void Jog::turned(int direction) {
@@ -136,26 +157,37 @@ void Jog::turned(int direction) {
     return keys_.say("the wheel turns faster than the axis goes: some detents moved nothing");
   }
   pressed_ = direction;
-  is_detent_ = true;
   pressed_ns_ = now_ns_;
 }
 
 /// Where the rig stands is known when it rests.
 void Jog::teach(TransportKey key) {
   pressed_ = 0;
+  terminal_.forget();
   if (held_ != 0 || !free_.is_resting()) return keys_.say("it still moves: press again");
   if (ask_ == Ask::teach) return keys_.say("the key before is not done: press again");
   taught_ = key;
   ask_ = Ask::teach;
 }
 
-/// A key once no other press has followed it.
+void Jog::look_at_terminal() {
+  if (const int direction = terminal_.take_press(now_ns_); direction != 0) {
+    pressed_ = direction;
+    pressed_ns_ = terminal_.pressed_ns();
+  }
+  if (wanted_.device) return;
+  const int held = terminal_.held(now_ns_);
+  if (held_ != 0 && held != held_) return let_go();
+  if (held == 0) return;
+  if (held_ == 0) hold(held);
+  held_ns_ = now_ns_;
+}
+
 void Jog::take_press() {
   if (pressed_ == 0) return;
-  if (!is_detent_ && now_ns_ - *pressed_ns_ < ns_of(jog_repeat_s)) return;
   if (!free_.is_resting()) {
     keys_.say("it still moves: one step at a time");
-  } else if (now_ns_ - *pressed_ns_ >= ns_of(jog_press_waits_s)) {
+  } else if (now_ns_ - pressed_ns_ >= ns_of(jog_press_waits_s)) {
     keys_.say("the press came long ago: press again");
   } else if (!is_marked_[selected_]) {
     ask_ = Ask::mark;
@@ -170,12 +202,9 @@ void Jog::take_press() {
 /// comes no further out.
 void Jog::step(int direction) {
   const JogAxis& stepped = axes_[selected_];
-  const double increment = stepped.increments[size_];
   const double here = axis().position();
+  const double increment = stepped.increment(size_, here, direction);
   const double target = here + direction * increment;
-  if (increment < stepped.count) {
-    return keys_.say("less than a count of its drive: choose a larger step");
-  }
   const bool is_bounded = stepped.is_referenced;
   const Status ranged = axis().set_range(is_bounded ? std::min(stepped.min, here) : here - increment,
                                          is_bounded ? std::max(stepped.max, here) : here + increment);
@@ -187,6 +216,7 @@ void Jog::step(int direction) {
 void Jog::stop() {
   pressed_ = 0;
   held_ = 0;
+  terminal_.forget();
   axis().stop();
 }
 
@@ -201,23 +231,30 @@ void Jog::let_go() {
   held_ = 0;
 }
 
-/// One that could not begin at once, or has come to its end, must be let go and pressed anew.
+/// One that could not begin at once, or has come to its end, must be let go and pressed anew. The key of a
+/// terminal waits for the step that its press has begun.
 void Jog::take_hold() {
   if (held_ == 0) return;
   if (now_ns_ - held_ns_ >= ns_of(jog_silence_s)) {
     let_go();
     return keys_.say("it is not told to be held any more: press again");
   }
-  if (has_begun_hold_) return;
+  if (has_begun_hold_) {
+    const bool is_over = free_.is_resting() && *keys_.words() == 0;
+    return is_over ? keys_.say("as far as a held key goes: let go, and press again") : void();
+  }
   if (free_.is_resting() && !is_marked_[selected_]) {
     ask_ = Ask::mark;  // comes back while it is held
     return;
   }
+  if (!free_.is_resting() && !wanted_.device) return;
   has_begun_hold_ = true;
-  if (!free_.is_resting()) {
-    held_ = 0;
-    return keys_.say("it still moves: press again");
-  }
+  if (free_.is_resting()) return begin_hold();
+  held_ = 0;
+  keys_.say("it still moves: press again");
+}
+
+void Jog::begin_hold() {
   const JogAxis& moved = axes_[selected_];
   const double here = axis().position();
   const double low = moved.is_referenced ? std::min(moved.min, here) : here - moved.reach;
@@ -229,16 +266,19 @@ void Jog::take_hold() {
 
 void Jog::choose(std::size_t axis) {
   stop();
+  if (axes_.size() == 1) return keys_.say("it moves alone, until it knows where it is");
   selected_ = axis;
 }
 
 void Jog::choose_increment(std::size_t size) {
   pressed_ = 0;
+  terminal_.forget();
   size_ = size;
 }
 
 void Jog::tick(std::int32_t ticks, std::int64_t now_ns) {
   now_ns_ = now_ns;
+  if (keys_.is_running() && ask_ == Ask::none) look_at_terminal();
   if (keys_.is_running() && ask_ == Ask::none) take_press();
   if (keys_.is_running() && ask_ == Ask::none) take_hold();
   keys_.note(loop_.tick(ticks, now_ns));
@@ -262,6 +302,7 @@ void Jog::kept() {
 RunSnapshot Jog::snapshot() const {
   const FreeAxis& free = std::as_const(free_).axes()[selected_];
   const JogAxis& axis = axes_[selected_];
+  const double increment = axis.increment(size_, free.position(), 1);
   return {.state = loop_.state(),
           .is_resting = free_.is_resting(),
           .words = keys_.words(),
@@ -273,8 +314,11 @@ RunSnapshot Jog::snapshot() const {
                              .min = axis.min,
                              .max = axis.max,
                              .size = static_cast<int>(size_) + 1,
-                             .increment = axis.increments[size_],
+                             .increment = increment,
+                             .is_count = increment == axis.count || increment > axis.increments[size_],
                              .reach = axis.reach,
+                             .by_device = wanted_.device,
+                             .is_alone = axes_.size() == 1,
                              .is_referenced = axis.is_referenced}};
 }
 
@@ -288,8 +332,7 @@ struct JogRig {
   std::vector<JogAxis> axes;
 };
 
-JogRig jog_rig(const RigSession& session, const RigReference& reference, double share,
-               const std::optional<double>& reach) {
+JogRig jog_rig(const RigSession& session, const RigReference& reference, double share, double reach) {
   JogRig rig;
   for (std::size_t a = 0; a < session.rig().axes.size(); ++a) {
     const RigAxis& axis = session.rig().axes[a];
@@ -303,9 +346,10 @@ JogRig jog_rig(const RigSession& session, const RigReference& reference, double 
                         .increments = jog_increments(axis),
                         .min = axis.min,
                         .max = axis.max,
-                        .count = count_of(axis),
+                        .count = count_of(axis.drive),
+                        .calibration = axis.calibration ? &axis.calibration->motor() : nullptr,
                         .is_referenced = is_referenced,
-                        .reach = reach.value_or(0) * (axis.max - axis.min)});
+                        .reach = reach * (axis.max - axis.min)});
   }
   return rig;
 }
@@ -320,7 +364,8 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
            .drive_of = axes.drive_of,
            .limits = axes.limits,
            .tick_seconds = session.tick_seconds()},
-          free, axes.axes, selected, static_cast<bool>(options.teach));
+          free, axes.axes, selected,
+          {.teach = static_cast<bool>(options.teach), .device = options.has_device});
   const DisarmAtEnd disarm(session);
   ActEnd end;
   for (bool goes_on = true; goes_on;) {
@@ -352,7 +397,22 @@ SetupEnd jog_session(RigSession& session, std::size_t selected, RigReference& re
 
 }  // namespace
 
+std::vector<std::size_t> jogged_axes(const RigFile& rig, std::size_t selected,
+                                     const RigReference& reference) {
+  if (!reference.is_referenced(selected)) return {selected};
+  std::vector<std::size_t> all(rig.axes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return all;
+}
+
 SetupEnd jog(const RigFile& rig, std::size_t selected, RigReference& reference, const JogOptions& options) {
+  if (!reference.is_referenced(selected)) {
+    if (options.teach) reference.refuse_unreferenced({&selected, 1});
+    return use_alone(rig, selected, reference, options.session,
+                     [&](RigSession& session, RigReference& unknown) {
+                       return jog_session(session, 0, unknown, options);
+                     });
+  }
   RigSession session(rig, reference, options.session);
   return end_of(session, [&] { return jog_session(session, selected, reference, options); });
 }

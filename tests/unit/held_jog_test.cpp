@@ -69,7 +69,7 @@ struct Bench {
                               .count = 1.0 / 40,
                               .is_referenced = true,
                               .reach = reach}},
-        0);
+        0, JogKeys{.device = true});
     audience.keys = [] { return std::string(); };
     audience.device = [this, held = false]() mutable {
       path.push_back(loop->setpoints()[0].position);

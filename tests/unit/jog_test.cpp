@@ -1,10 +1,14 @@
-// Steps by keys: a press moves an axis by its increment, and nothing moves it further.
+// Steps by keys: a press moves an axis by its increment, a key that is held moves it on, and nothing further.
 #include "host_tools/motions/jog.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <fstream>
@@ -14,6 +18,8 @@
 #include <string>
 #include <vector>
 
+#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
@@ -41,6 +47,10 @@ const std::string crane =
 const std::string left = "\x1b[D", right = "\x1b[C", up = "\x1b[A", down = "\x1b[B";
 constexpr std::int64_t tick_ns = 4'000'000;
 constexpr double tick_s = 0.004;
+constexpr int silence_ticks = 38;
+/// From the full velocity of the axis, while it still speeds up, to rest at its limits: HeldJog's
+/// stop_ticks().
+constexpr int stop_ticks = 98;
 const JogIncrements increments{0.01, 0.05, 0.2, 1, 5};
 
 /// Two axes under somebody's keys, on a virtual clock. A key is typed before the tick of that number.
@@ -67,7 +77,8 @@ struct Bench {
 
   std::vector<TransportKey> taught = {};
 
-  explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true, bool teaches = false)
+  explicit Bench(const std::vector<double>& at = {100, 0}, bool is_referenced = true, bool teaches = false,
+                 double reach = 300)
       : hardware(rig, at) {
     loop.emplace(drives, lines, room.memory());
     std::vector<FreeAxis> axes;
@@ -80,13 +91,14 @@ struct Bench {
                         .min = rig.axes[a].min,
                         .max = rig.axes[a].max,
                         .count = 1.0 / 50,
-                        .is_referenced = is_referenced});
+                        .is_referenced = is_referenced,
+                        .reach = reach});
     }
     free.emplace(std::move(axes));
     jog.emplace(
         *loop,
         FreeSpec{.source = source_of(*free), .drive_of = drive_of, .limits = limits, .tick_seconds = tick_s},
-        *free, jogged, 0, teaches);
+        *free, jogged, 0, JogKeys{.teach = teaches});
     audience.keys = [this] {
       path.push_back({loop->setpoints().begin(), loop->setpoints().end()});
       const int tick = static_cast<int>(path.size());
@@ -156,17 +168,141 @@ TEST(Jog, FiveKeysChooseTheIncrement) {
   }
 }
 
-// docs/faults.md 41: a terminal does not tell when a key is let go.
-TEST(Jog, AKeyThatIsHeldMovesOneIncrementWhateverItsRepeat) {
-  for (const int delay : {45, 63, 125, 165, 250}) {       // 180 ms to 1 s until a terminal begins to repeat
-    for (const int period : {1, 5, 8, 15, 23, 30, 36}) {  // up to 144 ms, 7 a second
+// docs/faults.md 41: most terminals do not tell when a key is let go.
+TEST(Jog, AKeyThatIsRepeatedMovesTheAxisOnUntilTheRepeatsEnd) {
+  for (const int delay : {45, 63, 125, 165, 250}) {   // 180 ms to 1 s until a terminal begins to repeat
+    for (const int period : {4, 5, 8, 15, 23, 29}) {  // 62 to 9 a second
+      SCOPED_TRACE(testing::Message() << delay << " " << period);
       Bench bench;
       bench.typed[10] = right;
-      bench.hold(right, 10 + delay, 10 + delay + 1000, period);
-      bench.run(1500);
-      EXPECT_DOUBLE_EQ(bench.at(1500), 100.2) << delay << " " << period;
+      bench.hold(right, 10 + delay, 10 + delay + 200, period);
+      const int last = 10 + delay + 200 / period * period;
+      std::string words;
+      bench.look = [&](int tick) {
+        if (tick == last) words = state_line(bench.jog->snapshot());
+      };
+      bench.run(900);
+      EXPECT_GT(bench.at(last), 105) << "further than its step";
+      EXPECT_THAT(words, HasSubstr("stops in ")) << "and it moves";
+      EXPECT_LE(bench.last_motion(), last + silence_ticks + stop_ticks);
+      EXPECT_LT(bench.at(900), 400);
+      if (delay > silence_ticks + 20) {
+        EXPECT_DOUBLE_EQ(bench.at(10 + delay), 100.2) << "a step first, for the press";
+      }
     }
   }
+}
+
+TEST(Jog, RepeatsThatAreNoKeyboardsMoveOneIncrement) {
+  for (const int period : {1, 32, 36}) {  // 250 a second, and less than 8
+    Bench bench;
+    bench.typed[10] = right;
+    bench.hold(right, 73, 1073, period);
+    bench.run(1500);
+    EXPECT_DOUBLE_EQ(bench.at(1500), 100.2) << period;
+  }
+}
+
+// A terminal that hung, a connection that was interrupted: whoever pressed them has let go long ago.
+TEST(Jog, KeysThatComeLateAndAllAtOnceMoveNothing) {
+  for (const int chunk : {1, 3, 20}) {
+    Bench bench;
+    std::string words;
+    for (int i = 0; i < 120 / chunk; ++i) {
+      for (int key = 0; key < chunk; ++key) bench.typed[10 + 3 * i / (chunk == 1 ? 3 : 1)] += right;
+    }
+    bench.look = [&](int tick) {
+      if (tick == 140) words = bench.jog->snapshot().words;
+    };
+    bench.run(600);
+    EXPECT_EQ(bench.last_motion(), 0) << chunk;
+    EXPECT_THAT(words, HasSubstr("let go, and press again")) << chunk;
+  }
+}
+
+TEST(Jog, AHeldKeyMovesByItsReachAndIsPressedAnew) {
+  Bench bench({100, 0}, true, false, 20);
+  bench.typed[10] = right;
+  bench.hold(right, 73, 2000);
+  bench.typed[2100] = left;
+  bench.hold(left, 2163, 2300);
+  std::string words;
+  bench.look = [&](int tick) {
+    if (tick == 1500) words = bench.jog->snapshot().words;
+  };
+  bench.run(2700);
+  EXPECT_NEAR(bench.at(2000), 120.2, 1e-9);
+  EXPECT_THAT(words, HasSubstr("as far as a held key goes"));
+  EXPECT_LT(bench.at(2700), 119.9) << "back again";
+}
+
+TEST(Jog, AHeldKeyEndsAtTheSoftLimit) {
+  Bench bench({450, 0});
+  bench.typed[10] = right;
+  bench.hold(right, 73, 1000);
+  bench.run(1200);
+  EXPECT_EQ(bench.at(1200), 500);
+  for (int tick = 1; tick <= 1200; ++tick) ASSERT_LE(bench.at(tick), 500);
+}
+
+TEST(Jog, AnotherKeyEndsAHoldAndWhatIsStillHeldMovesNothing) {
+  for (const std::string& other : {left, std::string(" "), std::string("4"), down}) {
+    Bench bench;
+    bench.typed[10] = right;
+    bench.hold(right, 73, 500);
+    bench.typed[200] = other;
+    bench.run(800);
+    EXPECT_GT(bench.at(200), 105);
+    EXPECT_LE(bench.last_motion(), 201 + stop_ticks) << other;
+  }
+}
+
+// --- terminals with kitty's keyboard protocol
+
+const std::string tells = "\x1b[?2u", repeated = "\x1b[1;129:2C", let_go = "\x1b[1;129:3C";
+
+TEST(KittyJog, AHeldKeyMovesOnAndRestsWhenItIsLetGo) {
+  Bench bench;
+  bench.typed = {{5, tells}, {10, right}, {200, let_go}};
+  bench.hold(repeated, 73, 199);
+  bench.run(700);
+  EXPECT_GT(bench.at(16), 100) << "a press counts at once";
+  EXPECT_DOUBLE_EQ(bench.at(72), 100.2);
+  EXPECT_GT(bench.at(200), 110);
+  EXPECT_LE(bench.last_motion(), 200 + stop_ticks);
+}
+
+TEST(KittyJog, AReleaseThatIsLostEndsItAfterTheSilenceAndRepeatsAloneBeginNothing) {
+  Bench bench;
+  bench.typed = {{5, tells}, {10, right}};
+  bench.hold(repeated, 73, 199);
+  bench.hold(repeated, 400, 900);
+  bench.typed[1000] = let_go;
+  bench.typed[1100] = left;
+  bench.run(1400);
+  EXPECT_LE(bench.last_motion(), 1400);
+  const double rested = bench.at(199 + silence_ticks + stop_ticks);
+  EXPECT_GT(rested, 110);
+  EXPECT_EQ(bench.at(1099), rested);
+  EXPECT_NEAR(bench.at(1400), rested - 0.2, 1e-9) << "the next press counts";
+}
+
+TEST(KittyJog, AKeyThatIsTappedMovesAStepAtOnceHoweverQuickly) {
+  Bench bench;
+  bench.typed[5] = tells;
+  for (int i = 0; i < 10; ++i) bench.typed[10 + 30 * i] = right + let_go;
+  bench.run(600);
+  EXPECT_NEAR(bench.at(600), 102, 1e-9);
+}
+
+TEST(KittyJog, ATerminalThatHungAndTellsAllAtOnceLeavesNothingHeld) {
+  Bench bench;
+  bench.typed[5] = tells;
+  bench.typed[10] = right;
+  for (int i = 0; i < 60; ++i) bench.typed[100] += repeated;
+  bench.typed[110] = let_go;
+  bench.run(600);
+  EXPECT_DOUBLE_EQ(bench.at(600), 100.2);
 }
 
 TEST(Jog, EachPressCountsThatComesByItself) {
@@ -272,30 +408,55 @@ TEST(Jog, AnUnreferencedAxisHasNoSoftLimits) {
   EXPECT_EQ(bench.at(700), 505);
 }
 
-TEST(Jog, LessThanACountOfTheDriveIsSaid) {
+TEST(Jog, AStepIsNeverLessThanACountOfTheDriveAndTheScreenSaysSo) {
   Bench bench;
-  std::string words;
-  bench.typed[10] = "1";
-  bench.typed[20] = right;
+  std::string fine, coarse;
+  bench.typed = {{10, "1"}, {20, right}, {200, "4"}};
   bench.look = [&](int tick) {
-    if (tick == 100) words = bench.jog->snapshot().words;
+    if (tick == 15) fine = state_line(bench.jog->snapshot());
+    if (tick == 205) coarse = state_line(bench.jog->snapshot());
   };
-  bench.run(200);
-  EXPECT_EQ(bench.at(200), 100);
-  EXPECT_THAT(words, HasSubstr("less than a count"));
+  bench.run(300);
+  EXPECT_DOUBLE_EQ(bench.at(300), 100.02) << "a step of 0.01 is half a count";
+  EXPECT_THAT(fine, HasSubstr("step 1: 0.02 (a count)"));
+  EXPECT_THAT(coarse, HasSubstr("step 4: 1"));
+  EXPECT_THAT(coarse, testing::Not(HasSubstr("count")));
+}
+
+// A focus ring: where the motor turns little for its way, a count is a longer way than elsewhere.
+TEST(Jog, AStepOfACalibratedAxisMovesItsMotorByACountWhereverItIs) {
+  const std::vector<CalibrationMark> marks{{0, 100}, {10, 60}, {20, 40}, {40, 20}, {100, 0}};
+  const CalibrationCurve curve(marks);
+  const JogAxis axis{
+      .increments = {0.01, 0.05, 0.2, 1, 5}, .count = 0.5, .calibration = &curve.curve().value()};
+  for (const double position : {-5.0, 0.0, 3.0, 15.0, 39.0, 99.0, 120.0}) {
+    for (const int direction : {-1, 1}) {
+      for (std::size_t size = 0; size < 5; ++size) {
+        const double step = axis.increment(size, position, direction);
+        const double motor = std::fabs(axis.calibration->motor_at(position + direction * step) -
+                                       axis.calibration->motor_at(position));
+        EXPECT_GE(motor, 0.5 * (1 - 1e-9)) << position << " " << size;
+        if (step > axis.increments[size]) {
+          EXPECT_NEAR(motor, 0.5, 1e-9) << "and no further than it must";
+        }
+      }
+    }
+  }
 }
 
 TEST(Jog, ItsIncrementsAreRoundAndTheLargestAHundredthOfTheRange) {
   const RigFile rig = parse_rig(crane, "rig.toml");
-  EXPECT_THAT(jog_increments(rig.axes[0]), testing::ElementsAre(0.01, 0.05, 0.2, 1, 5));
-  EXPECT_THAT(jog_increments(rig.axes[1]), testing::ElementsAre(0.002, 0.01, 0.05, 0.2, 1));
+  EXPECT_THAT(jog_increments(rig.axes[0]), testing::ElementsAre(0.025, 0.05, 0.2, 1, 5));
+  EXPECT_THAT(jog_increments(rig.axes[1]), testing::ElementsAre(0.02, 0.02, 0.05, 0.2, 1));
   RigAxis axis = rig.axes[0];
   for (const double range : {1e-3, 0.99, 1.0, 2.0, 199.999, 200.0, 99'999.0}) {
     axis.min = -range / 2;
     axis.max = range / 2;
     const JogIncrements of_range = jog_increments(axis);
-    EXPECT_LE(of_range.back(), range / 100 * (1 + 1e-8)) << range;
+    const double most = std::max(range / 100, count_of(axis)) * (1 + 1e-8);
+    EXPECT_LE(of_range.back(), most) << range;
     EXPECT_GT(of_range.back(), range / 100 / 2.6) << range;
+    EXPECT_GE(of_range.front(), count_of(axis)) << range;
     EXPECT_TRUE(std::ranges::is_sorted(of_range));
   }
 }
@@ -381,7 +542,8 @@ TEST(Jog, AnEmergencyStopIsTheEndAndNotTheOperators) {
   EXPECT_LT(bench.path.size(), 110U);
 }
 
-/// Whoever leaves in the middle of a step waits for no more than a stop at the limits of the motion.
+/// Whoever leaves in the middle of a step waits for no more than a stop at the limits of the motion. Esc
+/// leaves as q does, and is no fault.
 TEST(Jog, LeavingInAStepStopsIt) {
   for (const char* key : {"q", "\x1b"}) {
     Bench bench;
@@ -392,6 +554,7 @@ TEST(Jog, LeavingInAStepStopsIt) {
     bench.run(900);
     EXPECT_GT(bench.loop->setpoints()[0].position, 100.1);
     EXPECT_LT(bench.loop->setpoints()[0].position, 104.9);
+    EXPECT_TRUE(bench.jog->was_left()) << key[0];
   }
 }
 
@@ -416,6 +579,18 @@ struct Hands {
   }
 };
 
+TEST(Jog, LeftByEscItIsDoneAtRestAndInAStep) {
+  Hands hands;
+  RigReference(hands.rig, hands.file).stands_at(0, 100);
+  RigReference reference(hands.rig, hands.file);
+  for (const int tick : {400, 55}) {
+    hands.ticks = 0;
+    const SetupEnd end = hands.jog(reference, {{5, "5"}, {10, right}, {tick, "\x1b"}});
+    EXPECT_TRUE(end.is_done) << end.reason;
+    EXPECT_EQ(end.reason, "left");
+  }
+}
+
 TEST(Jog, ItsEndIsKept) {
   Hands hands;
   RigReference(hands.rig, hands.file).stands_at(0, 100);
@@ -425,6 +600,74 @@ TEST(Jog, ItsEndIsKept) {
   EXPECT_NEAR(end.positions[0], 103, 0.02);
   EXPECT_EQ(RigReference(hands.rig, hands.file).position(0), end.positions[0]);
   EXPECT_EQ(RigReference(hands.rig, hands.file).position(1), std::nullopt) << "nobody knew before, either";
+}
+
+/// What a FIFO was told.
+struct Lines {
+  explicit Lines(const std::string& path) {
+    EXPECT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  }
+  ~Lines() { ::close(file); }
+  Lines(const Lines&) = delete;
+  Lines& operator=(const Lines&) = delete;
+  void read() {
+    std::array<char, 65536> part{};
+    for (ssize_t count = 0; (count = ::read(file, part.data(), part.size())) > 0;) {
+      all.append(part.data(), static_cast<std::size_t>(count));
+    }
+  }
+  int file = -1;
+  std::string all;
+};
+
+// A servo that nobody has asked where it stands would jump to what it is told.
+TEST(Jog, AnUnreferencedServoIsMovedAloneAndNothingIsSentToTheOthers) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "servos").string();
+  std::vector<AxisText> servos;
+  for (const char* name : {"jaw", "lid"}) {
+    servos.push_back({.name = name,
+                      .unit = "deg",
+                      .more = "unpowered = \"holds\"",
+                      .drive = "type = \"pipe\", path = \"" + path +
+                               "\", counts_per_unit = 10, no_watchdog = \"accepted\""});
+  }
+  const RigFile rig = parse_rig(rig_text(servos, {.rate_hz = 50}), "rig.toml");
+  RigReference reference(rig, (folder.path() / "positions").string());
+  EXPECT_EQ(jogged_axes(rig, 1, reference), std::vector<std::size_t>{1});
+  Lines lines(path);
+  JogOptions options{.session = {.allow_jitter = true, .standing = {}, .audience = {}}};
+  int looks = 0;
+  std::string words;
+  std::size_t axes = 0;
+  options.session.audience.keys = [&]() -> std::string {
+    lines.read();
+    ++looks;
+    return looks == 40 ? right : looks == 120 ? down : looks == 200 ? "q" : "";
+  };
+  options.session.audience.status = [&](const RunSnapshot& now) {
+    if (!now.jog) return;
+    axes = now.axis_count;
+    words = hint_line(now);
+  };
+  const SetupEnd end = jog(rig, 1, reference, options);
+  lines.read();
+  EXPECT_THAT(lines.all, HasSubstr("lid="));
+  EXPECT_THAT(lines.all, testing::Not(HasSubstr("jaw="))) << "another servo";
+  EXPECT_EQ(end.positions.size(), 2U);
+  EXPECT_EQ(axes, 1U);
+  EXPECT_FALSE(reference.is_referenced(1)) << "nobody has said where it stands";
+  EXPECT_THAT(words, testing::Not(HasSubstr("up down axis")));
+}
+
+TEST(Jog, AnAxisThatDoesNotKnowWhereItIsIsNotTaught) {
+  Hands hands;
+  RigReference reference(hands.rig, hands.file);
+  JogOptions options{.session = {.simulated = true, .fast = true}};
+  options.teach = [](TransportKey, std::size_t, const std::vector<double>&) {};
+  EXPECT_THAT([&] { jog(hands.rig, 0, reference, options); },
+              testing::ThrowsMessage<InputError>(HasSubstr("axis \"track\" does not know where it is")));
 }
 
 TEST(Jog, AnUnreferencedAxisIsSlowerAndStaysUnreferenced) {
@@ -526,7 +769,7 @@ TEST(JogCommand, ItsHelpTeachesIt) {
   const ProgramRun run = run_program({"jog", "--help"});
   EXPECT_EQ(run.status, 0);
   for (const char* word : {"AXIS", "--rig ", "--sim", "--speed ", "1 to 5", "150 ms", "unreferenced",
-                           "Examples:", "Exit status:"}) {
+                           "--reach ", "kitty", "Examples:", "Exit status:"}) {
     EXPECT_THAT(run.out, HasSubstr(word));
   }
 }

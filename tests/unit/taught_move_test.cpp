@@ -327,7 +327,7 @@ TEST(Teach, AMoveIsMadeKeyByKeyOnTheScreenAndCheckTakesIt) {
   screen.wait_for("is made, with key 0");
   screen.press("5");
   screen.press("Right");
-  screen.wait_for("track 105.000 mm in 0..500  step 5: 5\n");
+  screen.wait_for("track 105.000 mm in 0..500  reach 50  step 5: 5\n");
   screen.press("Enter");
   EXPECT_THAT(screen.wait_for("appended key 1: track 105, pan 0"), HasSubstr("> 1   track 105, pan 0"));
   screen.press("p");
@@ -339,11 +339,11 @@ TEST(Teach, AMoveIsMadeKeyByKeyOnTheScreenAndCheckTakesIt) {
   screen.press("u");
   screen.wait_for("the last key is taken back");
   screen.press("Left");
-  screen.wait_for("track 100.000 mm in 0..500  step 5: 5\n");
+  screen.wait_for("track 100.000 mm in 0..500  reach 50  step 5: 5\n");
   screen.press("Down");
   screen.wait_for("pan 0.000 deg");
   screen.press("Right");
-  screen.wait_for("pan 1.000 deg in -90..90  step 5: 1\n");
+  screen.wait_for("pan 1.000 deg in -90..90  reach 18  step 5: 1\n");
   screen.press("n");
   screen.wait_for("> 1   track 105, pan 0");
   screen.press("i");

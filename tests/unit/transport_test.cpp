@@ -58,6 +58,28 @@ TEST(TransportKeys, ReadWhatATerminalSends) {
   EXPECT_THAT(keys_of("xyz\x1b[F\x1b[15~\x1b[1;5C\x1b[5~\xff"), IsEmpty()) << "other keys do nothing";
 }
 
+// Kitty's keyboard protocol, with Num Lock on (129) and off, and the keys of a US keyboard and its keypad.
+TEST(TransportKeys, ReadWhatATerminalTellsOfAKeyThatIsHeldAndLetGo) {
+  EXPECT_THAT(keys_of("\x1b[?2u\x1b[?3u"), Each(TransportKey::tells_releases));
+  EXPECT_THAT(keys_of("\x1b[?0u\x1b[?1u"), IsEmpty()) << "it can, and does not";
+  EXPECT_THAT(keys_of("\x1b[1;1:1C\x1b[1;129C\x1b[C"), Each(TransportKey::step_forward));
+  EXPECT_THAT(
+      keys_of("\x1b[1;1:2C\x1b[1;129:2C\x1b[43;1:2u\x1b[61:43;2:2u\x1b[57413;129:2u"),
+      ElementsAre(TransportKey::repeat_forward, TransportKey::repeat_forward, TransportKey::repeat_forward,
+                  TransportKey::repeat_forward, TransportKey::repeat_forward));
+  EXPECT_THAT(keys_of("\x1b[1;1:2D\x1b[45;1:2u\x1b[57412;1:2u"), Each(TransportKey::repeat_backward));
+  EXPECT_THAT(keys_of("\x1b[1;1:3C\x1b[1;1:3D\x1b[61;1:3u\x1b[45;1:3u\x1b[1;5:3C"),
+              ElementsAre(TransportKey::let_go, TransportKey::let_go, TransportKey::let_go,
+                          TransportKey::let_go, TransportKey::let_go))
+      << "whatever is held with it";
+  EXPECT_THAT(keys_of("\x1b[27;1:3u\x1b[113;1:3u\x1b[113;1:2u\x1b[1;1:3A\x1b[1;1:2B\x1b[97;1:3u"), IsEmpty())
+      << "other keys that are let go or repeated";
+  EXPECT_THAT(keys_of("\x1b[27u\x1b[113;129u\x1b[99;5u"),
+              ElementsAre(TransportKey::stop, TransportKey::quit, TransportKey::quit));
+  EXPECT_THAT(keys_of("\x1b[;;;u\x1b[99999999999999999999u\x1b[:::C\x1b[1;:C\x1b[?u\x1b[-1u").size(), 2U)
+      << "and nonsense is an arrow at most";
+}
+
 /// Plays the example on a virtual clock, typing `typed[i].second` before tick `typed[i].first`.
 struct Session {
   std::vector<std::string> lines;
