@@ -6,7 +6,6 @@
 #include <array>
 #include <cerrno>
 #include <cstddef>
-#include <string_view>
 
 namespace inbetween {
 
@@ -32,25 +31,6 @@ std::string KeyTerminal::read() {
   std::array<char, 4096> bytes;
   const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
   return count > 0 ? std::string(bytes.data(), static_cast<std::size_t>(count)) : std::string();
-}
-
-namespace {
-
-/// A terminal that is lost has nothing to be told.
-void tell_terminal(std::string_view sequence) {
-  static_cast<void>(!::write(STDERR_FILENO, sequence.data(), sequence.size()));
-}
-
-}  // namespace
-
-void KeyReleases::ask() {
-  if (has_asked_ || isatty(STDERR_FILENO) == 0) return;
-  has_asked_ = true;
-  tell_terminal("\x1b[>2u\x1b[?u");
-}
-
-KeyReleases::~KeyReleases() {
-  if (has_asked_) tell_terminal("\x1b[<u");
 }
 
 void release_lost_terminal() {

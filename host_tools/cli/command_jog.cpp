@@ -94,7 +94,6 @@ int jog_command(const JogArguments& arguments) {
     KeyTerminal terminal;
     RunScreen screen(fmt::format("{}{}, by hand", rig.name, arguments.setup.simulated ? ", simulated" : ""),
                      shown);
-    KeyReleases releases;
     options.session.audience.keys = [&] { return terminal.read() + (held ? held->typed() : ""); };
     if (held) {
       options.session.audience.device = [&] { return held->read(MonotonicClock().now_ns()); };
@@ -105,7 +104,6 @@ int jog_command(const JogArguments& arguments) {
       if (!now.jog) return;
       if (teaching) screen.tell(teaching->shown(now.jog->axis));
       screen.show(now);
-      releases.ask();
     };
     if (teaching) {
       options.teach = [&](TransportKey key, std::size_t axis, const std::vector<double>& positions) {

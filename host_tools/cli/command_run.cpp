@@ -11,8 +11,10 @@
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/key_terminal.hpp"
+#include "drivers/linux/monotonic_clock.hpp"
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/held_keys.hpp"
 #include "host_tools/cli/position_arguments.hpp"
 #include "host_tools/cli/run_picture.hpp"
 #include "host_tools/cli/run_screen.hpp"
@@ -30,7 +32,7 @@ namespace {
 
 struct RunArguments : SetupArguments, ShootArguments {
   std::string move;
-  std::optional<std::string> json, record, cue_log, steps, plot;
+  std::optional<std::string> json, record, cue_log, steps, plot, device;
   PictureStyle style = PictureStyle::light;
   bool loop = false;
   bool ping_pong = false;
@@ -85,15 +87,18 @@ void print_log(const LoopLogEnd& log, const char* records, const std::string& fi
 }
 
 /// "frames 0..48: 49 due, 48 shot, 1 of them again, 1 skipped", and where to go on.
-void print_shoot(const ShootCount& shoot, std::FILE* out) {
+void print_shoot(const ShootCount& shoot, bool has_log, std::FILE* out) {
   std::string words =
       fmt::format("frames {}..{}: {} due, {} shot", shoot.first, shoot.last, shoot.due(), shoot.shot);
   if (shoot.shot_again > 0) words += fmt::format(", {} of them again", shoot.shot_again);
   if (shoot.skipped > 0) words += fmt::format(", {} skipped", shoot.skipped);
   if (shoot.left > 0) words += fmt::format(", {} left", shoot.left);
   if (shoot.cut_off > 0) words += fmt::format("; {} cut off by a stop", counted(shoot.cut_off, "exposure"));
-  if (shoot.left > 0)
+  if (has_log && !shoot.has_all()) {
+    words += "; go on with --resume";
+  } else if (shoot.left > 0) {
     words += fmt::format("; go on with --frames {}..{}", shoot.last - shoot.left + 1, shoot.last);
+  }
   fmt::print(out, "  {}\n", words);
 }
 
@@ -109,14 +114,18 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
   fmt::print(out, "{}{}: {}; {} at {} Hz{}\n", plan.move().name,
              names_part ? ", " + frames_in_words(plan.part(), plan.move().frames) : "", report.reason,
              counted(report.ticks, "tick"), plan.rig()->rate_hz, arguments.fast ? " on a virtual clock" : "");
-  if (report.shoot) print_shoot(*report.shoot, out);
+  if (report.shoot) print_shoot(*report.shoot, arguments.shoot_log.has_value(), out);
   if (!arguments.fast) {
     print_wake_latency(report, arguments.latency, out);
   }
   fmt::print(out, "  {:<16}{:>14}{:>14}{:>24}\n", "axis", "commanded", "actual", "following error, peak");
   for (const RunAxis& axis : report.axes) {
-    fmt::print(out, "  {:<16}{:>14.4f}{:>14.4f}{:>24.4f}  {}\n", axis.name, axis.last_commanded,
-               axis.last_actual, axis.following_error_peak, axis.unit);
+    const auto known = [](double number, bool is_known) {
+      return is_known ? fmt::format("{:.4f}", number) : std::string("-");
+    };
+    fmt::print(out, "  {:<16}{:>14}{:>14}{:>24}  {}\n", axis.name,
+               known(axis.last_commanded, axis.is_commanded), known(axis.last_actual, axis.is_known),
+               known(axis.following_error_peak, axis.is_commanded), axis.unit);
   }
   for (const RunTake& take : report.takes) {
     fmt::print(out, "  take {}: {}{}\n", take.number, take.is_whole ? "whole" : "not played to its end",
@@ -140,7 +149,48 @@ std::string turns_in_title(const std::optional<PlayedTurns>& turns) {
   return turns && !turns->goes_round ? ", " + counted(turns->turns, "turn") : "";
 }
 
-/// On a terminal a run has the keys of a tape recorder, elsewhere only a progress bar.
+/// Nobody is there who could press a key.
+RunReport play_unattended(const Plan& plan, const RunArguments& arguments, SessionOptions& rig,
+                          const RunOptions& options) {
+  ProgressBar bar;
+  const std::int32_t rate_hz = plan.rig()->rate_hz;
+  RunScreen phases("", *plan.rig());
+  if (!arguments.fast && !phases.has_terminal()) {
+    rig.audience.status = [&](const RunSnapshot& now) { phases.show(now); };
+  }
+  rig.audience.progress = [&](std::int64_t tick, std::int64_t last) {
+    const std::int32_t frame =
+        std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
+    bar.show(static_cast<double>(tick) / static_cast<double>(last),
+             fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
+                         static_cast<double>(tick) / rate_hz));
+  };
+  return run(plan, rig, options);
+}
+
+/// The keys of a tape recorder.
+RunReport play_on_screen(const TurnsOfRun& planned, const RunArguments& arguments, SessionOptions& rig,
+                         const RunOptions& options) {
+  const Plan& plan = planned.plan;
+  std::optional<HeldKeys> held;
+  if (arguments.device) held.emplace(*arguments.device);
+  KeyTerminal terminal;
+  RunScreen screen(fmt::format("{} on {}{}{}", plan.move().name, plan.rig()->name,
+                               arguments.simulated ? ", simulated" : "", turns_in_title(planned.turns)),
+                   *plan.rig());
+  screen.take_wheel();
+  rig.audience.status = [&](const RunSnapshot& now) { screen.show(now); };
+  rig.audience.keys = [&] { return terminal.read() + (held ? held->typed() : ""); };
+  if (held) rig.audience.device = [&] { return held->read(MonotonicClock().now_ns()); };
+  if (!rig.audience.confirm) {
+    rig.audience.confirm = [&](const std::string& question) {
+      screen.leave();
+      return agrees(terminal, question);
+    };
+  }
+  return run(plan, rig, options);
+}
+
 RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const RigWatch& watch) {
   const Plan& plan = planned.plan;
   const InterruptWatch interrupts;
@@ -154,6 +204,7 @@ RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const R
                      .positions = arguments.positions,
                      .cue_log = arguments.cue_log};
   if (options.shoot) options.shoot->is_loop = arguments.loop || arguments.turns;
+  if (arguments.resume) options.shoot->before = read_shoot_log(*arguments.shoot_log, plan.move().frames);
   if (arguments.loop && !is_periodic(plan.move())) options.repeat = Repeat::loop;
   if (arguments.ping_pong) options.repeat = Repeat::ping_pong;
   SessionOptions rig = session_options_of(arguments);
@@ -168,35 +219,9 @@ RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const R
       return true;
     };
   }
-  if (arguments.fast || !KeyTerminal::is_there()) {
-    ProgressBar bar;
-    const std::int32_t rate_hz = plan.rig()->rate_hz;
-    RunScreen phases("", *plan.rig());
-    if (!arguments.fast && !phases.has_terminal()) {
-      rig.audience.status = [&](const RunSnapshot& now) { phases.show(now); };
-    }
-    rig.audience.progress = [&](std::int64_t tick, std::int64_t last) {
-      const std::int32_t frame =
-          std::min(plan.played().time_of_tick(tick, rate_hz).frame, plan.played().last_frame());
-      bar.show(static_cast<double>(tick) / static_cast<double>(last),
-               fmt::format("frame {}/{}  {:.1f} s", frame, plan.played().last_frame(),
-                           static_cast<double>(tick) / rate_hz));
-    };
-    return run(plan, rig, options);
-  }
-  KeyTerminal terminal;
-  RunScreen screen(fmt::format("{} on {}{}{}", plan.move().name, plan.rig()->name,
-                               arguments.simulated ? ", simulated" : "", turns_in_title(planned.turns)),
-                   *plan.rig());
-  rig.audience.status = [&](const RunSnapshot& now) { screen.show(now); };
-  rig.audience.keys = [&] { return terminal.read(); };
-  if (!rig.audience.confirm) {
-    rig.audience.confirm = [&](const std::string& question) {
-      screen.leave();
-      return agrees(terminal, question);
-    };
-  }
-  return run(plan, rig, options);
+  const bool is_attended = !arguments.fast && KeyTerminal::is_there();
+  return is_attended ? play_on_screen(planned, arguments, rig, options)
+                     : play_unattended(plan, arguments, rig, options);
 }
 
 void refuse_no_camera(const Plan& plan) {
@@ -309,6 +334,9 @@ int run_command(const RunArguments& arguments) {
   shoot_options(arguments);  // refuses wrong arguments before any file is read
   frame_range_argument(arguments.frames);
   check_setup_usage(arguments);
+  if (arguments.device && (arguments.fast || !KeyTerminal::is_there())) {
+    throw UsageError("--device is for somebody at a terminal; leave it out, or --fast");
+  }
   if (arguments.faults && !arguments.simulated) {
     throw UsageError("--faults is for simulated drives; add --sim, or give it to inbetween sim-drives");
   }
@@ -353,8 +381,10 @@ otherwise, and only after somebody agreed: with Enter on a terminal, with --yes 
 The drives of a real rig are switched on only where every axis says that it keeps its place without power
 (unpowered = "holds").
 
-On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next frame,
-Home goes back to the start, + and - change the rate, Esc stops. After a stop, a acknowledges it and Enter
+On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next frame, and
+held on and on, as the wheel of a mouse does by frames; g 9 6 Enter goes to frame 96 and k 3 Enter to key 3 of the
+first track (the first is 0), along the path and slowly: no axis faster than a tenth of its limit. Home goes back
+to the start, + and - change the rate, Esc stops. After a stop, a acknowledges it and Enter
 starts again; q stops and leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the
 path and inside their stop limits.
 
@@ -364,8 +394,8 @@ its window and needs no colours. Where standard error is no terminal, a line tel
 happens. Played backward to its beginning a move rests there until Enter plays it.
 
 With --takes the rig waits where the move begins, and every take begins with Enter. At its end it waits again:
-Home goes back along the path, q leaves. --record takes/%n.csv writes a file a take, from the first number on
-that is free; --plot takes/%n.svg draws each of them when the drives are off.
+Home goes back along the path, arrows, g and k go elsewhere on it, q leaves. --record takes/%n.csv writes a file
+a take, from the first number on that is free; --plot takes/%n.svg draws each of them when the drives are off.
 
 --record and --cue-log write no file over. What a disk that was full has not taken is counted, and the file ends
 with a whole line. inbetween plot draws a record again.
@@ -386,7 +416,7 @@ others. After a stop the rig stands on its frame until it is asked again. With -
 exposure, passes the share of the frame between the angles at a constant rate in --exposure seconds, and runs
 out. Either is held to what moves, positions, travels and exposures, not to what playing it would take; a
 travel rests where the motion steps. --frames 37.. shoots from there on, and the last line of --shoot-log names
-the last frame that was shot.
+the last frame that was shot; with --resume the shoot goes on with the first frame that this log does not have.
 
 The line of the rig's [camera] is on while a frame is exposed. Where the camera has a line that asks,
 on a rig that asks for each next frame as well; with --sim no line is touched.
@@ -421,6 +451,7 @@ Examples:
   inbetween run move.toml --rig rig.toml --sim --from pan=10 from elsewhere, slowly to its start first
   inbetween run move.toml --rig rig.toml --speed 0.5         the same at half of its limits
   inbetween run move.toml --rig rig.toml --sim --step        stop motion
+  inbetween run move.toml --rig rig.toml --step --shoot-log shoot.csv --resume
   inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5
   inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)";
 
@@ -428,7 +459,8 @@ Examples:
 void group_options(CLI::App& app) {
   const std::vector<std::pair<const char*, std::vector<const char*>>> groups{
       {"The rig, or one that is simulated",
-       {"--rig", "--sim", "--fast", "--from", "--positions", "--allow-jitter", "--faults", "--yes"}},
+       {"--rig", "--sim", "--fast", "--from", "--positions", "--allow-jitter", "--faults", "--device",
+        "--yes"}},
       {"What is played, and how fast",
        {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--rate", "--top-rate", "--speed"}},
       {"What is written", {"--json", "--record", "--plot", "--style", "--steps", "--cue-log", "--latency"}}};
@@ -477,6 +509,10 @@ void describe(CLI::App& app, RunArguments& arguments) {
                  "with --record: draw where every axis was told to be, where it was, and how far behind\n"
                  "(.svg, .png or .pdf); with --takes a picture a take, %n is its number");
   add_style(app, arguments.style);
+  app.add_option(
+      "--device", arguments.device,
+      "a jog wheel, game pad or keyboard of /dev/input: its wheel and its arrows do what those of\n"
+      "the terminal do, and it tells when they are let go");
   app.add_option("--steps", arguments.steps,
                  "with --sim: write every edge on the STEP lines of the step-dir axes, a line an edge (CSV)");
   app.add_option("--cue-log", arguments.cue_log,

@@ -12,6 +12,7 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include "host_tools/cli/screen_text.hpp"
@@ -21,7 +22,7 @@ namespace inbetween {
 /// The library takes the terminal's modes and some signals for itself; the keys and the stop keep theirs.
 class RunScreen::Curses {
  public:
-  Curses() {
+  explicit Curses(bool takes_wheel) : takes_wheel_(takes_wheel) {
     std::setlocale(LC_CTYPE, "");
     std::array<struct sigaction, signals.size()> before{};
     for (std::size_t i = 0; i < signals.size(); ++i) ::sigaction(signals[i], nullptr, &before[i]);
@@ -37,6 +38,7 @@ class RunScreen::Curses {
   }
   ~Curses() {
     if (screen_ == nullptr) return;
+    if (reports_) tell_terminal("\x1b[<u\x1b[?1006l\x1b[?1000l");
     ::endwin();
     ::delscreen(screen_);
   }
@@ -59,10 +61,28 @@ class RunScreen::Curses {
       ::mvaddstr(row++, 0, line.c_str());
     }
     ::refresh();
+    ask_for_reports();
   }
 
  private:
   static constexpr std::array signals{SIGINT, SIGTERM, SIGTSTP, SIGWINCH};
+
+  /// A terminal that is lost has nothing to be told.
+  static void tell_terminal(std::string_view sequence) {
+    static_cast<void>(!::write(STDERR_FILENO, sequence.data(), sequence.size()));
+  }
+
+  /// Once the screen is there, and until it is left: each screen of a terminal has a keyboard of its own
+  /// (https://sw.kovidgoyal.net/kitty/keyboard-protocol, its progressive enhancement 2). A terminal that
+  /// tells when a key is let go answers CSI ? FLAGS u among the keys; others ignore it.
+  void ask_for_reports() {
+    if (std::exchange(reports_, true)) return;
+    tell_terminal("\x1b[>2u\x1b[?u");
+    if (takes_wheel_) tell_terminal("\x1b[?1000h\x1b[?1006h");  // as xterm reports a mouse (SGR)
+  }
+
+  bool takes_wheel_;
+  bool reports_ = false;
   SCREEN* screen_ = nullptr;
   bool can_place_cursor_ = false;
 };
@@ -85,7 +105,7 @@ void RunScreen::tell(std::vector<std::string> notes) {
 
 void RunScreen::show(const RunSnapshot& snapshot) {
   if (kind_ == Kind::screen) {
-    if (!curses_) curses_ = std::make_unique<Curses>();
+    if (!curses_) curses_ = std::make_unique<Curses>(takes_wheel_);
     if (curses_->can_place_cursor()) return curses_->show(title_, rig_, snapshot, notes_);
     leave();
     kind_ = Kind::line;

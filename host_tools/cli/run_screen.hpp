@@ -26,6 +26,9 @@ class RunScreen {
   /// Standard error is a terminal.
   [[nodiscard]] bool has_terminal() const { return kind_ != Kind::plain; }
   void show(const RunSnapshot& snapshot);
+  /// From now on the terminal sends what the wheel of its mouse does, as long as the screen is shown. Text is
+  /// marked with Shift meanwhile.
+  void take_wheel() { takes_wheel_ = true; }
   /// Notes on the screen from now on (screen_text.hpp). Elsewhere they are lines, whenever they are others.
   void tell(std::vector<std::string> notes);
   /// Gives the terminal back for a question; the next show() takes it again.
@@ -38,6 +41,7 @@ class RunScreen {
   std::string title_;
   const RigFile& rig_;
   Kind kind_;
+  bool takes_wheel_ = false;
   ProgressBar bar_;
   std::unique_ptr<Curses> curses_;
   std::vector<std::string> notes_;

@@ -29,18 +29,27 @@ std::string bar_of(double share, int columns) {
   return fmt::format("[{:#>{}}{:.>{}}]", "", filled, "", width - filled);
 }
 
+/// Nothing is shown of what nobody knows yet.
+std::string number_in_column(double number, bool is_known) {
+  return is_known ? fmt::format("{:.4f}", number) : std::string("-");
+}
+
 /// A line an axis: where it was told to be and where it is, or by hand its limits.
 Lines axis_lines(const RigFile& rig, const RunSnapshot& snapshot) {
   Lines all;
   for (std::size_t a = 0; a < std::min(snapshot.axis_count, rig.axes.size()); ++a) {
     const RigAxis& axis = rig.axes[a];
     const AxisPlace& place = snapshot.axes[a];
-    all.push_back(snapshot.jog
-                      ? fmt::format("{} {:<16}{:>13.4f}{:>13g}{:>13g}  {}",
-                                    axis.name == snapshot.jog->axis ? ">" : " ", axis.name, place.actual,
-                                    axis.min, axis.max, to_string(axis.unit))
-                      : fmt::format("  {:<16}{:>13.4f}{:>13.4f}{:>17.4f}  {}", axis.name, place.commanded,
-                                    place.actual, place.following_error, to_string(axis.unit)));
+    const std::string actual = number_in_column(place.actual, place.is_known);
+    if (snapshot.jog) {
+      all.push_back(fmt::format("{} {:<16}{:>13}{:>13g}{:>13g}  {}",
+                                axis.name == snapshot.jog->axis ? ">" : " ", axis.name, actual, axis.min,
+                                axis.max, to_string(axis.unit)));
+      continue;
+    }
+    all.push_back(fmt::format(
+        "  {:<16}{:>13}{:>13}{:>17}  {}", axis.name, number_in_column(place.commanded, place.is_commanded),
+        actual, number_in_column(place.following_error, place.is_commanded), to_string(axis.unit)));
   }
   return all;
 }

@@ -30,6 +30,7 @@ void refuse_shoot_arguments(const ShootArguments& arguments) {
     throw UsageError("--settle, --exposure and --still belong to --step or --shutter");
   }
   if (arguments.shoot_log) throw UsageError("--shoot-log belongs to --step or --shutter");
+  if (arguments.resume) throw UsageError("--resume belongs to --step or --shutter");
 }
 
 }  // namespace
@@ -38,6 +39,9 @@ std::optional<ShootOptions> shoot_options(const ShootArguments& arguments) {
   if (!arguments.is_shot()) {
     refuse_shoot_arguments(arguments);
     return std::nullopt;
+  }
+  if (arguments.resume && (!arguments.shoot_log || *arguments.shoot_log == "-")) {
+    throw UsageError("--resume goes on with a shoot by its log; name it with --shoot-log FILE");
   }
   ShootOptions options;
   options.frames = frame_range_argument(arguments.frames);
@@ -68,7 +72,11 @@ void add_shoot_options(CLI::App& command, ShootArguments& arguments) {
       ->take_all();
   command.add_option("--shoot-log", arguments.shoot_log,
                      "add a line for each exposure to this file (CSV; - is standard output)");
-  for (const char* name : {"--step", "--shutter", "--exposure", "--settle", "--still", "--shoot-log"}) {
+  command.add_flag(
+      "--resume", arguments.resume,
+      "go on with the shoot whose log --shoot-log names, on the first frame that it does not have");
+  for (const char* name :
+       {"--step", "--shutter", "--exposure", "--settle", "--still", "--shoot-log", "--resume"}) {
     command.get_option(name)->group("Stop motion and go-motion");
   }
 }

@@ -18,6 +18,7 @@ struct ShootArguments {
   std::vector<std::string> still;
   std::optional<std::string> frames;  ///< --frames, which every run has
   std::optional<std::string> shoot_log;
+  bool resume = false;
 
   [[nodiscard]] bool is_shot() const { return step || shutter; }
 };

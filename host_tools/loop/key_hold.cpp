@@ -69,6 +69,15 @@ void KeyHold::release() {
   repeats_ = 0;
 }
 
+void KeyHold::hold(int direction, std::int64_t now_ns) {
+  begin(direction, now_ns);
+  repeats_ = repeats_of_hold;
+}
+
+void KeyHold::hear(std::int64_t now_ns) {
+  if (repeats_ == repeats_of_hold) last_ns_ = now_ns;
+}
+
 void KeyHold::forget() {
   if (last_ns_) refuse();
 }

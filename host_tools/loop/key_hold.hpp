@@ -34,6 +34,9 @@ class KeyHold {
   /// The terminal told that it was repeated, or let go.
   void repeat(int direction, std::int64_t now_ns);
   void release();
+  /// A device tells that a key is held, and that it still is: a press that counts as held at once.
+  void hold(int direction, std::int64_t now_ns);
+  void hear(std::int64_t now_ns);
   /// Something else was pressed: what came until now counts no more.
   void forget();
 

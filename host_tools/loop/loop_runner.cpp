@@ -32,6 +32,8 @@ void LoopTrace::take(const RunLoop& loop, const LoopTask* act) {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     AxisTrace& axis = axes_[i];
     axis.actual = loop.drive_states()[i].actual;
+    axis.is_known = axis.is_known || loop.drive_states()[i].is_on;
+    axis.is_commanded = axis.is_commanded || (commands && commanded_);
     // At the beginning of a tick a drive answers the setpoint before.
     axis.following_error = commands && commanded_ ? axis.commanded - axis.actual : 0;
     axis.following_error_peak = std::max(axis.following_error_peak, std::fabs(axis.following_error));
@@ -59,6 +61,7 @@ ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
   if (audience_.progress && last) audience_.progress(0, *last);
   end.begun = act.begin();
   if (!end.begun) return end;
+  if (keys_.tells_releases()) act.press(TransportKey::tells_releases);
   while (!act.is_over()) {
     if (audience_.keys && !act.is_preparation()) keys_.feed(audience_.keys());
     while (const std::optional<TransportKey> key = keys_.next()) act.press(allowed(*key, audience_));
@@ -175,6 +178,7 @@ ActEnd TimedRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
   if (audience_.progress && last) audience_.progress(0, *last);
   const MonotonicClock clock;
   next_line_ns_ = 0;
+  if (keys_.tells_releases()) typed_.push(TransportKey::tells_releases);
   is_over_.store(false, std::memory_order_relaxed);
   next_.store(&act, std::memory_order_release);
   std::exception_ptr thrown;

@@ -8,6 +8,8 @@ namespace {
 /// The keys that mean something while nothing runs.
 const char* hint_at_rest(SupervisorState state) {
   switch (state) {
+    case SupervisorState::enabling:
+      return "Esc leaves";
     case SupervisorState::stopping:
       return "slowing down on the path";
     case SupervisorState::latched:
@@ -37,11 +39,17 @@ const char* phase_at_rest(SupervisorState state) {
 }
 
 std::string hint_of_shoot(const ShootSnapshot& shoot) {
-  if (shoot.phase != ShootPhase::waiting && shoot.phase != ShootPhase::standing) return "Esc stops";
+  if (shoot.phase != ShootPhase::waiting && shoot.phase != ShootPhase::standing) return "Esc stops, q leaves";
   const bool is_open = shoot.is_due && !shoot.is_shot;
   const std::string on = shoot.next ? fmt::format("space goes on with {}", *shoot.next) : "space ends";
-  return fmt::format("{}{}, left and right look, Esc stops", is_open ? "space shoots it" : on,
-                     shoot.is_shot ? ", e shoots it again" : "");
+  return fmt::format("{}{}, left right g look, Esc stops, q leaves", is_open ? "space shoots it" : on,
+                     shoot.is_shot ? ", e shoots again" : "");
+}
+
+std::string hint_of_entry(const EntrySnapshot& entry) {
+  const char* of = entry.is_key ? "key" : "frame";
+  if (!entry.number) return fmt::format("go to {} _: type its number, Esc stops", of);
+  return fmt::format("go to {} {}_: Enter goes there, Backspace corrects, Esc stops", of, *entry.number);
 }
 
 std::string words_of(const TurnSnapshot& turn) {
@@ -88,7 +96,9 @@ std::string state_line(const RunSnapshot& snapshot) {
 }
 
 std::string hint_line(const RunSnapshot& snapshot) {
+  if (snapshot.entry) return hint_of_entry(*snapshot.entry);
   if (*snapshot.words != 0) return snapshot.words;
+  if (*snapshot.keys != 0) return snapshot.keys;
   if (snapshot.state != SupervisorState::running) return hint_at_rest(snapshot.state);
   if (snapshot.jog) {
     return fmt::format("{}; 1-5 size, {}q leaves",
@@ -97,9 +107,7 @@ std::string hint_line(const RunSnapshot& snapshot) {
                        snapshot.jog->is_alone ? "" : "up down axis, ");
   }
   if (snapshot.shoot) return hint_of_shoot(*snapshot.shoot);
-  if (*snapshot.doing != 0) return "Esc stops";
-  return snapshot.is_resting ? "space plays, arrows step, r turns, q leaves"
-                             : "space pauses, r turns, + - rate, Esc stops";
+  return "Esc stops, q leaves";
 }
 
 std::string status_line(const RunSnapshot& snapshot) {

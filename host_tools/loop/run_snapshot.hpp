@@ -18,7 +18,7 @@ struct ShootSnapshot {
   ShootPhase phase = ShootPhase::idle;
   std::int32_t frame = 0;
   std::int32_t frames = 0;
-  std::int64_t exposures = 0;
+  std::int64_t exposures = 0;             ///< with those of a shoot that it goes on with
   bool is_shot = false;                   ///< the frame
   bool is_due = true;                     ///< it is one of those that are shot
   std::optional<std::int32_t> next = {};  ///< the next that is to be shot
@@ -48,11 +48,19 @@ struct TurnSnapshot {
   std::int32_t of = 0;  ///< 0: until it is stopped
 };
 
+/// A number that somebody types, of a frame or a key to go to.
+struct EntrySnapshot {
+  bool is_key = false;
+  std::optional<std::int32_t> number = {};  ///< nothing before its first digit
+};
+
 /// Where an axis of the rig was told to be, and where it is.
 struct AxisPlace {
   double commanded = 0;
   double actual = 0;
   double following_error = 0;  ///< 0 while no setpoints are sent
+  bool is_known = false;       ///< where it is: its drive has been on, and has told
+  bool is_commanded = false;   ///< it was told where to be
 };
 
 /// Plain data, made in the loop without allocation. The words are literals.
@@ -72,6 +80,8 @@ struct RunSnapshot {
   bool backward = false;
   double share = 0;        ///< of the time line, or of the frames, 0..1
   const char* words = "";  ///< about the last key
+  const char* keys = "";   ///< those that work now, where what runs says which
+  std::optional<EntrySnapshot> entry = {};
   std::optional<ShootSnapshot> shoot = {};
   std::optional<JogSnapshot> jog = {};
   std::array<AxisPlace, max_rig_axes> axes = {};  ///< of the rig, in its order

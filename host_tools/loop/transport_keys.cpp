@@ -11,7 +11,19 @@ std::optional<TransportKey> key_of(char byte) {
   if (byte >= '1' && byte <= '5') {
     return static_cast<TransportKey>(static_cast<int>(TransportKey::size_1) + (byte - '1'));
   }
+  if (byte >= '6' && byte <= '9') {
+    return static_cast<TransportKey>(static_cast<int>(TransportKey::digit_6) + (byte - '6'));
+  }
   switch (byte) {
+    case '0':
+      return TransportKey::digit_0;
+    case '\x7f':
+    case '\b':
+      return TransportKey::erase;
+    case 'g':
+      return TransportKey::go_to_frame;
+    case 'k':
+      return TransportKey::go_to_key;
     case ' ':
       return TransportKey::pause;
     case 'r':
@@ -120,6 +132,9 @@ std::optional<TransportKey> key_of_sequence(std::string_view numbers, char lette
     const bool tells = (number_at(numbers.substr(1), 0) & event_types) != 0;
     return tells ? std::optional(TransportKey::tells_releases) : std::nullopt;
   }
+  // A mouse that reports as xterm does (SGR): buttons 64 and 65 are its wheel.
+  if (letter == 'M' && numbers.starts_with("<64;")) return TransportKey::detent_forward;
+  if (letter == 'M' && numbers.starts_with("<65;")) return TransportKey::detent_backward;
   const KeyNumbers key = numbers_of(numbers);
   if (key.event == KeyNumbers::Event::release) {
     return may_have_direction(key, letter) ? std::optional(TransportKey::let_go) : std::nullopt;
@@ -163,6 +178,7 @@ std::optional<TransportKey> TransportKeys::next() {
   if (keys_.empty()) return std::nullopt;
   const TransportKey key = keys_.front();
   keys_.pop_front();
+  tells_releases_ = tells_releases_ || key == TransportKey::tells_releases;
   return key;
 }
 

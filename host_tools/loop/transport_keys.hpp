@@ -26,6 +26,14 @@ enum class TransportKey {
   size_3,
   size_4,
   size_5,
+  digit_0,  ///< of a number that is typed; 1 to 5 are the sizes of a step
+  digit_6,
+  digit_7,
+  digit_8,
+  digit_9,
+  erase,           ///< Backspace: the last digit
+  go_to_frame,     ///< g: the frame whose number follows, then Enter
+  go_to_key,       ///< k: the key
   quit,            ///< q: stop, and leave
   hold_forward,    ///< of a device that tells when it is let go: pressed
   hold_backward,   ///< the same
@@ -46,17 +54,20 @@ enum class TransportKey {
 };
 
 /// From the bytes that a terminal sends, also by kitty's keyboard protocol, which tells of right, left, + and
-/// - when they are repeated and let go (KeyReleases asks for it). Other keys are ignored. An Esc that begins
-/// no arrow key is a stop: what follows it in the same read decides (a terminal sends an arrow key in one
-/// piece).
+/// - when they are repeated and let go, and xterm's reports of a wheel (RunScreen asks for both). Other keys
+/// are ignored. An Esc that begins no arrow key is a stop: what follows it in the same read decides (a
+/// terminal sends an arrow key in one piece).
 class TransportKeys {
  public:
   /// Takes the text of one read.
   void feed(std::string_view bytes);
   [[nodiscard]] std::optional<TransportKey> next();
+  /// The terminal has told that it tells when a key is let go: what begins to listen later must be told, too.
+  [[nodiscard]] bool tells_releases() const { return tells_releases_; }
 
  private:
   std::deque<TransportKey> keys_;
+  bool tells_releases_ = false;
 };
 
 }  // namespace inbetween

@@ -18,6 +18,7 @@
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/motions/transport.hpp"
+#include "host_tools/plan/key_frames.hpp"
 #include "host_tools/rig/cue_outputs.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
@@ -43,6 +44,14 @@ std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session, c
   if (options.turns && options.turns->goes_round) cues->count_frames_of_turns(options.turns->frames);
   cues->log_to(*options.cue_log, session.options().fast);
   return cues;
+}
+
+/// When the keys of the first track are met, of turns those of one.
+std::vector<double> keys_to_go_to(const Plan& plan, const std::optional<PlayedTurns>& turns) {
+  std::vector<double> frames = key_frames_of(plan, 0);
+  if (plan.move().tracks.front().closed) frames.pop_back();  // its return to key 0
+  if (turns) frames.resize(frames.size() / static_cast<std::size_t>(turns->turns));
+  return frames;
 }
 
 /// A move on a rig. What the loop has played goes with this, after the last tick.
@@ -83,7 +92,7 @@ class Run {
       const RigAxis& axis = session_.rig().axes[a];
       const AxisTrace& traced = session_.axes()[a];
       report_.axes.push_back({axis.name, std::string(to_string(axis.unit)), traced.commanded, traced.actual,
-                              traced.following_error_peak});
+                              traced.following_error_peak, traced.is_known, traced.is_commanded});
     }
     report_.record = session_.end_record();
     report_.steps = session_.hardware().end_step_log();
@@ -132,6 +141,7 @@ class Run {
       shoot();
     } else {
       TransportLines lines{.cues = cues_.get(), .turns = options_.turns};
+      if (is_attended()) lines.key_frames = keys_to_go_to(staged_.plan(), options_.turns);
       if (staged_.plan().move().start == Start::trigger) {
         lines.start = [&](std::int64_t) { return session_.lines().start_triggered(); };
         if (is_simulated()) lines.start = SimulatedTrigger();
@@ -292,6 +302,16 @@ SessionOptions standing_at_start(StagedMove& staged, const RigReference& referen
 }  // namespace
 
 RunReport run(const Plan& plan, const SessionOptions& rig, const RunOptions& options) {
+  if (options.shoot) {
+    const std::int32_t first = shot_frames(plan.move(), *options.shoot).first;
+    const ShootCount before = ShootCount::of(first, shots_before(plan.move(), *options.shoot));
+    if (before.has_all()) {
+      RunReport report;
+      report.reason = "every frame was shot before";
+      report.shoot = before;
+      return report;
+    }
+  }
   const double top_rate = rig.allow_jitter ? jitter_rate : options.top_rate;
   const std::unique_ptr<StagedMove> staged = options.shoot ? checked_shoot(plan, top_rate, *options.shoot)
                                                            : checked_move(plan, top_rate, options.repeat);

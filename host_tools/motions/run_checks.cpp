@@ -53,6 +53,14 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
+/// At so many times the drawn speed every axis goes as slowly as on a way outside of the path.
+double slow_rate_of(const CheckReport& report) {
+  constexpr double min_slow_rate = 0.01;
+  double share = 0;
+  for (const CheckedAxis& axis : report.axes) share = std::max(share, axis.velocity.share());
+  return share > slow_share ? std::max(slow_share / share, min_slow_rate) : 1;
+}
+
 }  // namespace
 
 std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repeat repeat) {
@@ -63,6 +71,7 @@ std::unique_ptr<StagedMove> checked_move(const Plan& plan, double top_rate, Repe
   auto staged = std::make_unique<StagedMove>(
       plan, top_rate == 1 ? checked.planned_stops : StagedMove::stops_of(plan, top_rate));
   staged->set_repeat(repeat);
+  staged->go_slowly(slow_rate_of(checked));
   return staged;
 }
 

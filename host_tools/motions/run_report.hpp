@@ -21,6 +21,8 @@ struct RunAxis {
   double last_commanded = 0;
   double last_actual = 0;
   double following_error_peak = 0;
+  bool is_known = true;      ///< its drive has told where it is
+  bool is_commanded = true;  ///< it was told where to be
 };
 
 /// One of several takes.

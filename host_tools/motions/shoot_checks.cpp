@@ -91,7 +91,7 @@ void refuse_exposures(StagedMove& staged, const ShootOptions& options) {
 }  // namespace
 
 std::unique_ptr<StagedMove> checked_shoot(const Plan& plan, double top_rate, const ShootOptions& shoot) {
-  const WholeFrames due = shot_frames(plan.move(), shoot);
+  static_cast<void>(shot_frames(plan.move(), shoot));
   for (const std::string& axis : shoot.still) static_cast<void>(axis_named(*plan.rig(), axis));
   const CheckReport report = check(plan);
   for (const CheckRefusal& refusal : report.refusals) {
@@ -105,7 +105,7 @@ std::unique_ptr<StagedMove> checked_shoot(const Plan& plan, double top_rate, con
       std::make_unique<StagedMove>(plan, stops,
                                    ShootStage{.exposure_rate = needed,
                                               .still = shoot.still,
-                                              .first_frame = due.first,
+                                              .first_frame = first_frame_of(plan.move(), shoot),
                                               .rests = rests_of(plan, report, stops->bounds()->rate())});
   refuse_exposures(*staged, shoot);
   return staged;

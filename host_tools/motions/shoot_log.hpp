@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "host_tools/files/loop_log.hpp"
 
@@ -10,9 +11,14 @@ namespace inbetween {
 
 struct LoggedShot {
   std::int32_t frame = 0;
-  std::int32_t shots = 0;  ///< of this frame in this run, this one included if it is whole
-  bool is_whole = true;    ///< false: the rig was stopped while the camera had its signal
+  std::int32_t shots =
+      0;  ///< of this frame in this run and in those that it goes on with, this one included if it is whole
+  bool is_whole = true;  ///< false: the rig was stopped while the camera had its signal
 };
+
+/// The exposures in such a log, in their order. Throws std::runtime_error, one line that starts with the
+/// name, where it cannot be read, or a line is none of a shoot log or names no frame 0..`last`.
+std::vector<LoggedShot> read_shoot_log(const std::string& name, std::int32_t last);
 
 /// Comma-separated values, a line an exposure (docs/formats.md). A file that is there goes on at its end, and
 /// each line is written at once, so that after whatever happened its last line names the last frame. It never

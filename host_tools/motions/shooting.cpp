@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host_tools/files/diagnostics.hpp"
 
@@ -26,6 +27,23 @@ WholeFrames shot_frames(const MoveFile& move, const ShootOptions& options) {
   return frames_of(options.frames, {0, last}, {move.path, 0, 0});
 }
 
+std::vector<std::int32_t> shots_before(const MoveFile& move, const ShootOptions& options) {
+  const WholeFrames due = shot_frames(move, options);
+  std::vector<std::int32_t> shots(static_cast<std::size_t>(due.last - due.first) + 1);
+  for (const LoggedShot& shot : options.before) {
+    const bool is_due = shot.frame >= due.first && shot.frame <= due.last;
+    if (is_due && shot.is_whole) ++shots[static_cast<std::size_t>(shot.frame - due.first)];
+  }
+  return shots;
+}
+
+std::int32_t first_frame_of(const MoveFile& move, const ShootOptions& options) {
+  const std::vector<std::int32_t> shots = shots_before(move, options);
+  const auto missing = std::ranges::find(shots, 0);
+  const std::int32_t first = shot_frames(move, options).first;
+  return missing == shots.end() ? first : first + static_cast<std::int32_t>(missing - shots.begin());
+}
+
 Shooting::Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, const ShootOptions& options,
                    bool is_attended, const ShootingLines& lines)
     : loop_(loop),
@@ -33,21 +51,30 @@ Shooting::Shooting(RunLoop& loop, StagedMove& staged, SimulatedCamera& camera, c
       camera_(camera),
       frames_(staged.plan().move().frames),
       due_(shot_frames(staged.plan().move(), options)),
-      shots_(static_cast<std::size_t>(due_.last - due_.first) + 1),
+      shots_(shots_before(staged.plan().move(), options)),
       shoot_(shoot_spec(options, *staged.plan().rig()),
              {.last = frames_, .first = due_.first, .shots = shots_, .rests = staged.rests()},
              staged.playhead(), staged.still()),
+      shot_before_(std::accumulate(shots_.begin(), shots_.end(), std::int64_t{0})),
+      begins_on_(first_frame_of(staged.plan().move(), options)),
       keys_(loop, is_attended),
       lines_(lines) {}
 
 Status Shooting::begin() {
   if (const Status loaded = loop_.load(spec_); !loaded) return loaded;
   if (const Status begun = loop_.begin(); !begun) return begun;
-  return shoot_.look_at(shoot_.frame());
+  const std::int32_t frame = begins_on_.value_or(shoot_.frame());
+  begins_on_.reset();
+  return shoot_.look_at(frame);
 }
 
 void Shooting::press(TransportKey key) {
-  if (keys_.press(key)) return;
+  const bool is_of_entry = entry_.press(key);
+  if (is_of_entry) keys_.say("");
+  if (const auto place = entry_.take()) {
+    place->is_key ? keys_.say("frames are shot: g goes to one") : look_at(place->number);
+  }
+  if (is_of_entry || keys_.press(key)) return;
   switch (key) {
     case TransportKey::pause:
       keys_.say(shoot_.trigger());
@@ -65,21 +92,31 @@ void Shooting::press(TransportKey key) {
       if (keys_.is_running()) keys_.begun();
       return;
     case TransportKey::step_forward:
-      return look(1);
+    case TransportKey::repeat_forward:
+    case TransportKey::hold_forward:
+    case TransportKey::detent_forward:
+      return look_at(shoot_.frame() + 1);
     case TransportKey::step_backward:
-      return look(-1);
+    case TransportKey::repeat_backward:
+    case TransportKey::hold_backward:
+    case TransportKey::detent_backward:
+      return look_at(shoot_.frame() - 1);
+    case TransportKey::tells_releases:
+    case TransportKey::still_held:
+    case TransportKey::let_go:
+      return;
     default:
       keys_.say("not while a move is shot frame by frame");
       return;
   }
 }
 
-void Shooting::look(int by) {
+void Shooting::look_at(std::int32_t frame) {
   if (!keys_.is_running()) {
     keys_.say("nothing runs");
     return;
   }
-  keys_.say(shoot_.look_at(shoot_.frame() + by));
+  keys_.say(shoot_.look_at(frame));
 }
 
 void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
@@ -110,20 +147,8 @@ void Shooting::log(bool is_whole) {
 }
 
 ShootCount Shooting::count() const {
-  ShootCount count{.first = due_.first, .last = due_.last, .cut_off = cut_off_};
-  std::int32_t missing = 0;
-  for (std::int32_t frame = due_.first; frame <= due_.last; ++frame) {
-    const std::int32_t shots = shoot_.shots(frame);
-    if (shots == 0) {
-      ++missing;
-      continue;
-    }
-    ++count.shot;
-    if (shots > 1) ++count.shot_again;
-    count.skipped = missing;
-    count.last_shot = frame;
-  }
-  count.left = missing - count.skipped;
+  ShootCount count = ShootCount::of(due_.first, shots_);
+  count.cut_off = cut_off_;
   return count;
 }
 
@@ -131,10 +156,11 @@ RunSnapshot Shooting::snapshot() const {
   return {.state = loop_.state(),
           .share = static_cast<double>(shoot_.frame()) / std::max(frames_, 1),
           .words = keys_.words(),
+          .entry = entry_.shown(),
           .shoot = ShootSnapshot{.phase = shoot_.phase(),
                                  .frame = shoot_.frame(),
                                  .frames = frames_,
-                                 .exposures = shoot_.exposures(),
+                                 .exposures = shot_before_ + shoot_.exposures(),
                                  .is_shot = shoot_.shots(shoot_.frame()) > 0,
                                  .is_due = shoot_.is_due(shoot_.frame()),
                                  .next = shoot_.next_frame(),

@@ -9,6 +9,7 @@
 #include "host_tools/files/frame_range.hpp"
 #include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
+#include "host_tools/motions/place_entry.hpp"
 #include "host_tools/motions/shoot_count.hpp"
 #include "host_tools/motions/shoot_log.hpp"
 #include "host_tools/motions/staged_move.hpp"
@@ -28,6 +29,7 @@ struct ShootOptions {
   bool is_loop = false;                 ///< the last frame of the move is its first, and is not shot again
   FrameRange frames = {};               ///< those that are shot; all where nothing is said
   std::optional<std::string> log = {};  ///< a line for each exposure goes there (shoot_log.hpp)
+  std::vector<LoggedShot> before = {};  ///< that were shot before, of the frames of the move
 };
 
 /// In ticks of a rig, rounded up.
@@ -35,6 +37,12 @@ ShootSpec shoot_spec(const ShootOptions& options, const RigFile& rig);
 
 /// The frames of the move that are shot. Throws InputError where it has no such frames.
 WholeFrames shot_frames(const MoveFile& move, const ShootOptions& options);
+
+/// How often each of these frames was shot before.
+std::vector<std::int32_t> shots_before(const MoveFile& move, const ShootOptions& options);
+
+/// Where a shoot begins: on the first of its frames that was not shot before, if there is one.
+std::int32_t first_frame_of(const MoveFile& move, const ShootOptions& options);
 
 /// The lines of the rig's own camera.
 struct ShootingLines {
@@ -67,7 +75,7 @@ class Shooting final : public LoopTask {
   }
 
  private:
-  void look(int by);
+  void look_at(std::int32_t frame);
   void log(bool is_whole);
 
   RunLoop& loop_;
@@ -77,7 +85,10 @@ class Shooting final : public LoopTask {
   WholeFrames due_;
   std::vector<std::int32_t> shots_;
   FrameShoot shoot_;
+  std::int64_t shot_before_;               ///< exposures of those that it goes on with
+  std::optional<std::int32_t> begins_on_;  ///< until it has begun
   OperatorKeys keys_;
+  PlaceEntry entry_;
   ShootingLines lines_;
   std::int64_t cut_off_ = 0;
 };

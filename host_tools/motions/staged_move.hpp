@@ -52,6 +52,9 @@ class StagedMove {
   [[nodiscard]] Playhead* still() { return still_ ? &*still_ : nullptr; }
   /// Where every travel of a shoot rests.
   [[nodiscard]] std::span<const FrameTime> rests() const { return shoot_.rests; }
+  /// At most how fast it goes to a frame that somebody asks for, as a share of the drawn speed.
+  void go_slowly(double rate) { slow_rate_ = rate; }
+  [[nodiscard]] double slow_rate() const { return slow_rate_; }
   [[nodiscard]] LoopSpec loop_spec();
   /// Throws LimitError where a loop would step.
   void set_repeat(Repeat repeat);
@@ -67,6 +70,7 @@ class StagedMove {
   std::vector<std::size_t> drive_of_;
   std::vector<double> counts_;
   std::vector<AxisLimits> loop_limits_;
+  double slow_rate_ = 1;
   std::unique_ptr<bool[]> is_still_;  // std::vector<bool> has no bools to show
 };
 

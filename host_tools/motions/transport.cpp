@@ -31,6 +31,7 @@ Status Transport::start() {
   is_back_ = false;
   goes_home_ = false;
   if (is_at_start()) turns_gone_ = 0;
+  use_rate(asked_rate_);
   return loop_.start(direction_);
 }
 
@@ -69,6 +70,8 @@ void Transport::take_is_noted() {
 }
 
 void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
+  now_ns_ = now_ns;
+  look_at_arrow();
   if (take_ == Take::ended) {  // its last tick is in its record
     trace_->record_to(nullptr);
     take_ = Take::closed;
@@ -85,12 +88,14 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   note(result);
   const bool repeats = result.event == PlayheadEvent::repeated;
   if (repeats) ++turns_gone_;
+  if (result.event == PlayheadEvent::arrived) keys_.say("");
   if (lines_.cues != nullptr) {
     lines_.cues->tick(
         {.from = from, .to = place_of(playhead_), .repeated = repeats ? playhead_.repeat() : Repeat::none},
         ticks, now_ns);
   }
   was_carried_ = false;
+  set_off();
   if (goes_round() && !goes_home_) go_round();
 }
 
@@ -142,42 +147,50 @@ void Transport::note(const LoopTick& tick) {
   }
   if (!has_takes_) return;
   if (keys_.has_left() && trace_ != nullptr) trace_->record_to(nullptr);
-  const bool is_home = keys_.is_running() && take_ != Take::playing && is_at_start();
-  if (is_home) keys_.say(loop_.finish());
+  // Between takes it rests wherever somebody has gone.
+  const bool has_gone = keys_.is_running() && take_ != Take::playing && playhead_.is_resting();
+  if (has_gone && !sets_off_) static_cast<void>(loop_.finish());
   const bool rests = loop_.state() != SupervisorState::running && loop_.state() != SupervisorState::stopping;
   if (take_ == Take::closed && rests) ask_ = Ask::end_take;
 }
 
 void Transport::press(TransportKey key) {
-  if (keys_.press(key)) return;
-  switch (key) {
-    case TransportKey::home:
-      return go_home();
-    case TransportKey::faster:
-      return change_override(1);
-    case TransportKey::slower:
-      return change_override(-1);
-    case TransportKey::start:
-      return press_start();
-    default:
-      break;
-  }
+  const bool is_of_entry = entry_.press(key);
+  if (is_of_entry) keys_.say("");
+  if (const auto place = entry_.take()) go_to(*place);
+  if (is_of_entry || press_arrow(key)) return;
+  arrow_.forget();
+  if (keys_.press(key) || press_always(key)) return;
   if (is_between_takes()) {
+    go_nowhere();
     playhead_.stop();
     keys_.say("no take is under way: Home goes to the start, Enter begins one there");
     return;
   }
+  if (key == TransportKey::pause) pause_or_play();
+  if (key == TransportKey::reverse) turn();
+}
+
+/// What means the same in a take and between two.
+bool Transport::press_always(TransportKey key) {
   switch (key) {
+    case TransportKey::home:
+      go_home();
+      return true;
+    case TransportKey::faster:
+      change_override(1);
+      return true;
+    case TransportKey::slower:
+      change_override(-1);
+      return true;
+    case TransportKey::start:
+      press_start();
+      return true;
     case TransportKey::pause:
-      return pause_or_play();
     case TransportKey::reverse:
-      return turn();
-    case TransportKey::step_forward:
-      return step(Direction::forward);
-    case TransportKey::step_backward:
-      return step(Direction::backward);
+      return false;
     default:
-      return;
+      return true;
   }
 }
 
@@ -199,18 +212,158 @@ void Transport::press_start() {
   }
 }
 
+/// Whether the rig follows the playhead, as from here on where it rested.
+bool Transport::is_on_path() {
+  if (keys_.is_running()) return true;
+  Status begun = loop_.load(spec_);
+  if (begun) begun = loop_.begin();
+  keys_.say(begun);
+  if (begun) keys_.begun();
+  return static_cast<bool>(begun);
+}
+
+/// A key from before anybody could see that it waits moves nothing.
+bool Transport::can_go() {
+  if (is_waiting_ || take_ == Take::asked) keys_.say("it waits to be started");
+  return !is_waiting_ && take_ != Take::asked && is_heard_;
+}
+
+/// Of turns that in which it is.
+void Transport::go_to(const WantedPlace& place) {
+  const std::int32_t frames = lines_.turns ? lines_.turns->frames : move_.frames();
+  const WholeFrames part = lines_.turns ? WholeFrames{0, frames} : move_.part();
+  const auto number = static_cast<std::size_t>(place.number);
+  if (place.is_key && number >= lines_.key_frames.size())
+    return keys_.say("the move has no such key; the first is 0");
+  const double frame = place.is_key ? lines_.key_frames[number] : place.number;
+  if (frame < part.first || frame > part.last) return keys_.say("that is not on the frames that are played");
+  if (!can_go() || !is_on_path()) return;
+  arrow_.forget();
+  go_nowhere();
+  end_take(false);
+  is_back_ = false;
+  goes_home_ = false;
+  goal_ = moved_by({0, 0}, frame);
+  sets_off_ = true;
+  playhead_.stop();
+  keys_.say("goes there slowly, along the path: space rests, Esc stops");
+}
+
+/// For what was asked for, as soon as it rests; nothing where a stop came between.
+void Transport::set_off() {
+  if (!sets_off_) return;
+  if (!keys_.is_running()) return go_nowhere();
+  if (!playhead_.is_resting()) return;
+  sets_off_ = false;
+  use_rate(std::min(asked_rate_, slow_rate_));
+  FrameTime to = goal_.value_or(FrameTime{move_.first_frame(), 0});
+  if (goal_) to.frame += frames_before_turn();
+  if (scrubs_ == Direction::forward) to = {move_.last_frame(), 0};
+  goal_.reset();
+  if (to != playhead_.time()) keys_.say(playhead_.go_to(to));
+}
+
+void Transport::go_nowhere() {
+  goal_.reset();
+  scrubs_.reset();
+  sets_off_ = false;
+}
+
+/// Arrows of a terminal, those of a device that are held, and a wheel. Whether the key was one of them.
+bool Transport::press_arrow(TransportKey key) {
+  switch (key) {
+    case TransportKey::tells_releases:
+      arrow_.tells_releases();
+      return true;
+    case TransportKey::step_forward:
+    case TransportKey::step_backward: {
+      const bool is_forward = key == TransportKey::step_forward;
+      arrow_.press(is_forward ? 1 : -1, now_ns_);
+      if (arrow_.is_refused()) {
+        keys_.say("two keys at once, or late ones: let go, and press again");
+      } else if (arrow_.held(now_ns_) == 0) {
+        step(is_forward ? Direction::forward : Direction::backward);
+      }
+      return true;
+    }
+    case TransportKey::repeat_forward:
+    case TransportKey::repeat_backward:
+      arrow_.repeat(key == TransportKey::repeat_forward ? 1 : -1, now_ns_);
+      return true;
+    case TransportKey::hold_forward:
+    case TransportKey::hold_backward:
+      arrow_.hold(key == TransportKey::hold_forward ? 1 : -1, now_ns_);
+      return true;
+    case TransportKey::still_held:
+      arrow_.hear(now_ns_);
+      return true;
+    case TransportKey::let_go:
+      arrow_.release();
+      return true;
+    case TransportKey::device_gone:
+      arrow_.release();
+      keys_.say("the device is gone");
+      return true;
+    case TransportKey::detent_forward:
+    case TransportKey::detent_backward:
+      if (!scrubs_) step(key == TransportKey::detent_forward ? Direction::forward : Direction::backward);
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// A move that plays is paused first.
+bool Transport::can_step() {
+  if (!can_go()) return false;
+  const bool plays = playhead_.state() == PlayheadState::playing;
+  const bool is_there = !plays && (keys_.is_running() || is_between_takes());
+  if (!is_there) keys_.say(plays ? "space pauses it first" : "nothing runs");
+  if (!is_there || !is_on_path()) return false;
+  goes_home_ = false;
+  return true;
+}
+
+void Transport::step(Direction direction) {
+  if (!can_step()) return;
+  go_nowhere();
+  use_rate(std::min(asked_rate_, slow_rate_));
+  keys_.say(playhead_.step(direction));
+}
+
+/// It scrubs as soon as an arrow is known to be held, and comes to rest when it is not any more.
+void Transport::look_at_arrow() {
+  const int held = arrow_.held(now_ns_);
+  const int scrubbed = !scrubs_ ? 0 : *scrubs_ == Direction::forward ? 1 : -1;
+  if (held == scrubbed) return;
+  if (scrubbed != 0) {
+    go_nowhere();
+    if (keys_.is_running()) playhead_.stop();
+  } else {
+    scrub(held > 0 ? Direction::forward : Direction::backward);
+  }
+}
+
+/// As far as the time line goes.
+void Transport::scrub(Direction direction) {
+  if (!can_step()) return arrow_.forget();
+  goal_.reset();
+  scrubs_ = direction;
+  const FrameTime end{direction == Direction::forward ? move_.last_frame() : move_.first_frame(), 0};
+  if (playhead_.time() == end) return keys_.say("the move is at that end");
+  sets_off_ = true;
+  playhead_.stop();
+}
+
 /// As a travel along the path, whether it plays, rests, or was stopped and acknowledged.
 void Transport::go_home() {
   if (is_waiting_ || take_ == Take::asked) {
     keys_.say("it is where the move begins");
     return;
   }
-  if (!keys_.is_running()) {
-    Status begun = loop_.load(spec_);
-    if (begun) begun = loop_.begin();
-    if (!begun) return keys_.say(begun);
-    keys_.begun();
-  }
+  if (!is_on_path()) return;
+  go_nowhere();
+  use_rate(asked_rate_);
   end_take(false);
   is_back_ = false;
   goes_home_ = true;  // to the beginning of the turns that are on the time line
@@ -224,8 +377,11 @@ void Transport::pause_or_play() {
     keys_.say("nothing runs");
   } else if (playhead_.is_resting()) {
     goes_home_ = false;
+    go_nowhere();
+    use_rate(asked_rate_);
     keys_.say(playhead_.play(direction_));
   } else {
+    go_nowhere();
     playhead_.stop();
   }
 }
@@ -234,22 +390,15 @@ void Transport::turn() {
   direction_ = direction_ == Direction::forward ? Direction::backward : Direction::forward;
   if (!keys_.is_running() || playhead_.is_resting()) return;
   goes_home_ = false;
+  go_nowhere();
+  use_rate(asked_rate_);
   keys_.say(playhead_.play(direction_));
-}
-
-void Transport::step(Direction direction) {
-  if (!keys_.is_running()) {
-    keys_.say("nothing runs");
-    return;
-  }
-  goes_home_ = false;
-  keys_.say(playhead_.step(direction));
 }
 
 /// To the next step above or below, and at the top to the top rate itself.
 void Transport::change_override(int by) {
   constexpr double rounding = 1e-9;
-  const double now = playhead_.override_rate();
+  const double now = asked_rate_;
   const bool is_fine = by > 0 ? now < override_step - rounding : now < override_step + rounding;
   const double step = is_fine ? fine_override_step : override_step;
   const double steps = by > 0 ? std::floor(now / step + rounding) : std::ceil(now / step - rounding);
@@ -260,7 +409,8 @@ void Transport::change_override(int by) {
   } else if (by > 0 && now >= top) {
     keys_.say("this is the top rate; --top-rate lets it go up to what the limits hold");
   } else {
-    keys_.say(playhead_.set_override(std::min(wanted, top)));
+    asked_rate_ = std::min(wanted, top);
+    if (playhead_.state() == PlayheadState::playing) use_rate(asked_rate_);
   }
 }
 
@@ -272,7 +422,27 @@ std::optional<double> Transport::seconds_left(double frame) const {
   }
   const double way =
       direction_ == Direction::forward ? move_.last_frame() - frame : frame - move_.first_frame();
-  return way / (move_.frame_rate().frames_per_second() * playhead_.override_rate());
+  return way / (move_.frame_rate().frames_per_second() * asked_rate_);
+}
+
+const char* Transport::doing() const {
+  if (playhead_.state() != PlayheadState::travelling) return "";
+  return goes_home_ ? "going to the start" : "going along the path";
+}
+
+/// None that does nothing now.
+const char* Transport::keys_that_work() const {
+  if (keys_.is_running()) {
+    if (playhead_.state() == PlayheadState::travelling) return "space rests here, Esc stops, q leaves";
+    return playhead_.is_resting()
+               ? "space plays, arrows step, r turns, Home, g frame, k key, Esc stops, q leaves"
+               : "space pauses, r turns, + - rate, Home, g frame, k key, Esc stops, q leaves";
+  }
+  if (loop_.state() != SupervisorState::ready) return "";
+  if (is_waiting_) return "Enter starts without the trigger, + - rate, Esc stops, q leaves";
+  if (!has_takes_) return "Enter starts from here, + - rate, Home, g frame, k key, q leaves";
+  return is_at_start() ? "Enter begins a take, + - rate, arrows step, g frame, k key, q leaves"
+                       : "Home goes to the start, arrows step, g frame, k key, + - rate, q leaves";
 }
 
 RunSnapshot Transport::snapshot() const {
@@ -281,6 +451,7 @@ RunSnapshot Transport::snapshot() const {
   const double first = goes_round() ? frames_before_turn() : move_.first_frame();
   const double frames = goes_round() ? lines_.turns->frames : move_.last_frame() - move_.first_frame();
   RunSnapshot now{.state = loop_.state(),
+                  .doing = doing(),
                   .is_resting = playhead_.is_resting(),
                   .frame = frame_of_turn(),
                   .frames = move_.frames(),
@@ -288,10 +459,12 @@ RunSnapshot Transport::snapshot() const {
                   .turn = turn(),
                   .seconds_left = seconds_left(frame),
                   .rate = playhead_.rate(),
-                  .override_rate = playhead_.override_rate(),
+                  .override_rate = asked_rate_,
                   .backward = direction_ == Direction::backward,
                   .share = std::clamp((frame - first) / frames, 0.0, 1.0),
-                  .words = keys_.words()};
+                  .words = keys_.words(),
+                  .keys = keys_that_work(),
+                  .entry = entry_.shown()};
   if (!lines_.turns) return now;
   now.frames = lines_.turns->frames;
   now.part.reset();

@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
+#include "host_tools/loop/key_hold.hpp"
 #include "host_tools/loop/loop_runner.hpp"
 #include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
+#include "host_tools/motions/place_entry.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/plan/turns.hpp"
@@ -19,6 +22,7 @@ struct TransportLines {
   CueOutputs* cues = nullptr;  ///< the pulses of the move
   StartSignal start = {};      ///< the move is begun and waits for it
   std::optional<PlayedTurns> turns = {};
+  std::vector<double> key_frames = {};  ///< on which the keys are met to which somebody may go
 };
 
 /// Plays a move in a loop, once, or take after take. Refers to all of them. Allocates nothing.
@@ -26,6 +30,11 @@ struct TransportLines {
 /// Home goes back along the path to where the move begins, and rests there. With takes the act begins with
 /// the rig at rest where the move begins, and waits: Enter there begins a take, nothing else does. It is over
 /// whenever a take is to begin, so that the caller makes ready for it and comes back, and when it has ended.
+///
+/// g and k, a number and Enter go to a frame or a key, along the path and slowly: no axis faster than
+/// slow_share of its limits, as far as the move is not drawn slower. So do the arrows, a frame a press and on
+/// and on while they are held (KeyHold), and a wheel, a frame a detent; between takes as well. Whatever
+/// begins so ends at rest on the path.
 ///
 /// Turns that go round never come to the end of their time line: behind the turn in the middle the playhead
 /// is carried back a turn, where the move does the same, and played backward forward again, up to where it
@@ -45,7 +54,9 @@ class Transport final : public LoopTask {
         playhead_(staged.playhead()),
         move_(staged.plan().played()),
         keys_(loop, is_attended),
-        lines_(lines) {}
+        lines_(lines),
+        slow_rate_(staged.slow_rate()),
+        asked_rate_(playhead_.override_rate()) {}
 
   /// With a start signal it waits for that, or for the key that starts. Errors: those of MotionLoop::load and
   /// start.
@@ -80,6 +91,20 @@ class Transport final : public LoopTask {
  private:
   Status start();
   void go_round();
+  bool press_always(TransportKey key);
+  bool is_on_path();
+  bool can_go();
+  void go_to(const WantedPlace& place);
+  void set_off();
+  bool press_arrow(TransportKey key);
+  bool can_step();
+  void step(Direction direction);
+  void look_at_arrow();
+  void scrub(Direction direction);
+  void go_nowhere();
+  void use_rate(double rate) { static_cast<void>(playhead_.set_override(rate)); }
+  [[nodiscard]] const char* doing() const;
+  [[nodiscard]] const char* keys_that_work() const;
   [[nodiscard]] std::int32_t turn_on_time_line() const;
   /// Of the time line, before the turn that is played.
   [[nodiscard]] std::int32_t frames_before_turn() const;
@@ -87,7 +112,6 @@ class Transport final : public LoopTask {
   [[nodiscard]] bool goes_round() const { return lines_.turns && lines_.turns->goes_round; }
   void pause_or_play();
   void turn();
-  void step(Direction direction);
   void change_override(int by);
   void go_home();
   void press_start();
@@ -116,6 +140,15 @@ class Transport final : public LoopTask {
   bool goes_home_ = false;
   std::int64_t turns_gone_ = 0;  ///< by which the playhead was carried back, or that it has repeated
   bool was_carried_ = false;     ///< after the last tick
+
+  PlaceEntry entry_;
+  std::optional<FrameTime> goal_ = {};    ///< in the turn, to which it was asked to go
+  std::optional<Direction> scrubs_ = {};  ///< to that end of the time line, until somebody lets go
+  bool sets_off_ = false;                 ///< for one of them, once it rests
+  double slow_rate_;
+  double asked_rate_;  ///< the override rate of what is played
+  KeyHold arrow_;
+  std::int64_t now_ns_ = 0;  ///< of the last tick
 
   enum class Take : std::uint8_t { none, asked, playing, ended, closed };
   bool has_takes_ = false;

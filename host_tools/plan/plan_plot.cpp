@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host_tools/plan/axes_in_space.hpp"
+#include "host_tools/plan/key_frames.hpp"
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_rows.hpp"
@@ -60,12 +61,10 @@ void sample_speed(const Track& track, PlotTrack& plot) {
   plot.speed_line.push_back(track.along({track.frames(), 0}).speed);
 }
 
-/// Where the speed is 0, a distance is passed at many moments: a locked key is on its own frame.
-void take_holds(const KeyTiming& timing, std::int32_t frames, PlotTrack& plot) {
+void take_holds(const KeyTiming& timing, PlotTrack& plot) {
   plot.key_holds.assign(plot.key_frames.size(), 0);
   for (const KeyLock& lock : timing.locks) {
     if (lock.key < 0) continue;  // a turn of the path, which is no key
-    plot.key_frames[static_cast<std::size_t>(lock.key)] = timing.frame_of(lock, frames);
     plot.key_holds[static_cast<std::size_t>(lock.key)] = lock.hold;
   }
 }
@@ -94,7 +93,6 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
   plot.keys.resize(axes);
   for (std::int32_t i = 0; i <= track.path().segment_count(); ++i) {
     if (!track.path().key_at(i)) continue;
-    plot.key_frames.push_back(frame_of_segment(track, i));
     if (plot.keys.front().size() == written.keys.size()) continue;  // the return to key 0
     for (std::size_t d = 0; d < axes; ++d) plot.keys[d].push_back(track.path().segment(i)[d].c0);
   }
@@ -104,8 +102,8 @@ PlotTrack plot_of_track(const Plan& plan, std::size_t index) {
       for (std::size_t d = 0; d < axes; ++d) plot.keys[d][k] = written.keys[k].at[d];
     }
   }
-  plot.key_frames.back() = track.frames();
-  if (solved.key_timing()) take_holds(*solved.key_timing(), track.frames(), plot);
+  plot.key_frames = key_frames_of(plan, index);
+  if (solved.key_timing()) take_holds(*solved.key_timing(), plot);
   const std::string unit = plan.length_unit(index);
   plot.speed_unit = unit.empty() ? "" : unit + "/s";
   return plot;

@@ -199,6 +199,21 @@ TEST(EndlessLoop, AStopAtAnyPlaceOfALateTurnKeepsThePathAndHomeGoesBackByIt) {
   }
 }
 
+TEST(EndlessLoop, AFrameThatIsGoneToIsThatOfTheTurnThatIsPlayed) {
+  const Round idle(idle_text());
+  Played played(idle);
+  while (played.turn() < 70) played.tick();
+  played.tick(60);
+  for (const TransportKey key : {TransportKey::go_to_frame, TransportKey::size_3, TransportKey::start}) {
+    played.transport.press(key);
+  }
+  played.tick(20'000);
+  EXPECT_TRUE(played.now().is_resting);
+  EXPECT_EQ(played.now().frame, 3);
+  EXPECT_GE(played.turn(), 70);
+  EXPECT_LE(played.turn(), 71);
+}
+
 // A cue on frame 0, which is on a tick, one between ticks, and one a tick behind frame 0.
 TEST(EndlessLoop, EveryTurnHasEachOfItsPulsesOnce) {
   const std::string out =

@@ -17,6 +17,7 @@
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/event_pipe.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -376,8 +377,31 @@ TEST(HeldJog, ADeviceThatCannotBeOpenedIsOneLine) {
                                         "directory; name one of /dev/input/by-id"));
 }
 
-TEST(HeldJog, AReachWithoutADeviceIsRefused) {
-  EXPECT_EQ(run_program({"jog", "track", "--rig", "rig.toml", "--reach", "0.5"}).status, 2);
+/// At a run a held key scrubs, and a detent of the wheel is a frame.
+TEST(HeldKeys, OfADeviceAtARunGoAlongThePathUntilTheyAreLetGo) {
+  const TemporaryFolder folder;
+  EventPipe pipe(folder.path() / "device");
+  TerminalScreen screen({"run", in_checkout("examples/reveal.toml"), "--rig",
+                         in_checkout("examples/camera_rig.toml"), "--sim", "--device", pipe.path()});
+  screen.wait_for("playing  frame ");
+  screen.press("Space");
+  screen.wait_for("paused  frame ");
+  pipe.key(KEY_RIGHT, 1);
+  screen.wait_for("going along the path  frame ");
+  pipe.key(KEY_RIGHT, 0);
+  screen.wait_for("paused  frame ");
+  pipe.unplug();
+  screen.wait_for("the device is gone");
+  screen.press("q");
+  EXPECT_EQ(screen.wait_for_exit(), 4);
+}
+
+TEST(HeldKeys, AreForSomebodyAtATerminal) {
+  const ProgramRun run =
+      run_program({"run", in_checkout("examples/reveal.toml"), "--rig",
+                   in_checkout("examples/camera_rig.toml"), "--sim", "--fast", "--device", "nowhere"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_THAT(run.err, HasSubstr("--device is for somebody at a terminal"));
 }
 
 }  // namespace held_jog_test

@@ -134,7 +134,7 @@ struct Bench {
     }
   }
   [[nodiscard]] double at(int tick, std::size_t axis = 0) const {
-    return path[static_cast<std::size_t>(tick) - 1][axis].position;
+    return path.at(static_cast<std::size_t>(tick) - 1)[axis].position;
   }
   /// The last tick in which the axis had another position than in the one before.
   [[nodiscard]] int last_motion(std::size_t axis = 0) const {

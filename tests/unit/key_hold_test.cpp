@@ -103,5 +103,23 @@ TEST(KeyHold, ASecondDirectionOrAnotherKeyEndsIt) {
   }
 }
 
+TEST(KeyHold, OfADeviceIsHeldAtOnceAndForAsLongAsThatIsTold) {
+  KeyHold keys;
+  keys.hold(-1, 0);
+  EXPECT_EQ(keys.held(0), -1);
+  keys.hear(100 * ms);
+  EXPECT_EQ(keys.held(249 * ms), -1);
+  EXPECT_EQ(keys.held(250 * ms), 0);
+  keys.hear(260 * ms);
+  EXPECT_EQ(keys.held(260 * ms), 0) << "it must be pressed anew";
+  EXPECT_EQ(keys.take_press(900 * ms), 0);
+  keys.hold(1, 1000 * ms);
+  keys.release();
+  EXPECT_EQ(keys.held(1000 * ms), 0);
+  keys.hear(1100 * ms);
+  keys.press(1, 1200 * ms);
+  EXPECT_EQ(keys.take_press(1350 * ms), 1) << "which nothing was held before";
+}
+
 }  // namespace key_hold_test
 }  // namespace inbetween

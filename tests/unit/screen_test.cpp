@@ -29,9 +29,11 @@ RunSnapshot playing() {
                   .frames = 192,
                   .seconds_left = 4.0,
                   .rate = 1,
-                  .share = 0.5};
+                  .share = 0.5,
+                  .keys = "space pauses, r turns, + - rate, Esc stops"};
   now.axis_count = 3;
-  now.axes[0] = {.commanded = 810.5, .actual = 810.25, .following_error = 0.25};
+  now.axes[0] = {
+      .commanded = 810.5, .actual = 810.25, .following_error = 0.25, .is_known = true, .is_commanded = true};
   return now;
 }
 
@@ -45,6 +47,8 @@ TEST(ScreenText, IsRightIn80ColumnsAnd24Lines) {
   EXPECT_EQ(text[3].size(), 79U);
   EXPECT_EQ(text[5], "  axis                commanded       actual  following error");
   EXPECT_EQ(text[6], "  slide                810.5000     810.2500           0.2500  mm");
+  EXPECT_EQ(text[7], "  pan                         -            -                -  deg")
+      << "nobody knows where it is";
   EXPECT_EQ(text[23], "space pauses, r turns, + - rate, Esc stops");
 }
 
@@ -90,7 +94,7 @@ TEST(Screen, PlayPauseBackToTheBeginningStopAcknowledgeTakeTwoAndQuit) {
   const std::string takes = folder.path() / "%n.csv";
   TerminalScreen screen({"run", reveal, "--rig", camera_rig, "--sim", "--takes", "--record", takes, "--plot",
                          folder.path() / "%n.svg"});
-  EXPECT_THAT(screen.wait_for("ready  frame 0.0 of 192"), HasSubstr("Enter starts from here, q leaves"));
+  EXPECT_THAT(screen.wait_for("ready  frame 0.0 of 192"), HasSubstr("Enter begins a take, "));
   screen.press("Enter");
   screen.wait_for("playing  frame ");
   screen.press("Space");
@@ -99,7 +103,8 @@ TEST(Screen, PlayPauseBackToTheBeginningStopAcknowledgeTakeTwoAndQuit) {
   EXPECT_THAT(paused, HasSubstr("rate +0.00 of 1.00\n"));
   EXPECT_THAT(paused,
               HasSubstr("\n  axis                commanded       actual  following error\n  slide  "));
-  EXPECT_THAT(paused, HasSubstr("space plays, arrows step, r turns, q leaves"));
+  EXPECT_THAT(paused,
+              HasSubstr("space plays, arrows step, r turns, Home, g frame, k key, Esc stops, q leaves"));
   screen.press("r");
   screen.press("Space");
   EXPECT_THAT(screen.wait_for("back at the beginning: Enter plays, q leaves"),

@@ -97,7 +97,8 @@ TEST(ShootScene, StoppedLookedAtGoneOnWithOneFrameAgainAndOneSkipped) {
   animator.shoot_until(47);
   screen.press("Space");
   EXPECT_EQ(screen.wait_for_exit(), 5);
-  EXPECT_THAT(screen.shown(), HasSubstr("frames 0..47: 48 due, 47 shot, 1 of them again, 1 skipped\n"));
+  EXPECT_THAT(screen.shown(),
+              HasSubstr("frames 0..47: 48 due, 47 shot, 1 of them again, 1 skipped; go on with --resume\n"));
 
   std::vector<std::string> expected;
   for (int frame = 0; frame <= 47; ++frame) {

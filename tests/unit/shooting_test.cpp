@@ -8,16 +8,19 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "host_tools/motions/run.hpp"
+#include "host_tools/motions/shoot_checks.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
+#include "tests/support/ticked_rig.hpp"
 
 namespace inbetween {
 namespace shooting_test {
@@ -106,6 +109,23 @@ RunReport shoot_typing(const std::vector<std::pair<int, std::string>>& typed,
              {.shoot = ShootOptions{.settle_s = 0.1, .exposure_s = 0.1}});
 }
 
+TEST(Shooting, OneThatGoesOnBeginsOnTheFirstFrameThatIsMissingAndTellsWhatWasShot) {
+  const Plan plan(read_move_file(reveal), read_rig_file(camera_rig), {});
+  const ShootOptions options{
+      .settle_s = 0.1, .exposure_s = 0.1, .before = {{0, 1}, {1, 1}, {2, 0, false}, {3, 1}}};
+  TickedRig rig(plan);
+  const std::unique_ptr<StagedMove> staged = checked_shoot(plan, 1, options);
+  SimulatedCamera camera(false);
+  Shooting shooting(rig.loop, *staged, camera, options, true);
+  ASSERT_TRUE(shooting.begin());
+  rig.tick(shooting, 2000);
+  EXPECT_EQ(state_line(shooting.snapshot()), "standing  frame 2 of 192  3 shot");
+  shooting.press(TransportKey::pause);
+  rig.tick(shooting, 200);
+  EXPECT_EQ(shooting.snapshot().shoot->exposures, 4);
+  EXPECT_EQ(shooting.count().shot, 4);
+}
+
 TEST(Shooting, WithAKeyboardNothingIsExposedBeforeSpace) {
   EXPECT_EQ(shoot_typing({{20000, "q"}}, nullptr).exposures, 0);
   const RunReport report = shoot_typing({{5000, " "}, {10000, " "}, {20000, "q"}}, nullptr);
@@ -134,6 +154,59 @@ TEST(Shooting, AnExposureThatAStopCutsOffDoesNotCount) {
   EXPECT_EQ(report.exposures, 0);
   EXPECT_EQ(report.shoot->cut_off, 1);
   EXPECT_EQ(report.shoot->left, 193);
+}
+
+/// Shoots with a log, typing as many spaces as are wanted; the camera asks where nobody types.
+ProgramRun shoot_on(const std::string& log, const std::vector<std::string>& more) {
+  std::vector<std::string> words{"--step",      "--settle", "0",      "--exposure", "0.01",
+                                 "--shoot-log", log,        "--json", "-"};
+  words.insert(words.end(), more.begin(), more.end());
+  return run_with(words);
+}
+
+TEST(Shooting, AShootThatWasInterruptedGoesOnByItsLogWithTheFramesThatItLacks) {
+  const TemporaryFolder folder;
+  const std::string log = folder.path() / "shoot.csv";
+  EXPECT_EQ(shoot_on(log, {"--resume"}).status, 1) << "there is nothing to go on with";
+  ASSERT_EQ(shoot_on(log, {"--frames", "0..40"}).status, 0);
+  ASSERT_EQ(shoot_on(log, {"--frames", "44..50"}).status, 0);
+  std::ofstream(log, std::ios::app) << "2026-01-01T12:00:00Z,51,0,0\n";  // cut off by a stop
+  const ProgramRun resumed = shoot_on(log, {"--resume"});
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  const auto json = nlohmann::ordered_json::parse(resumed.out);
+  EXPECT_EQ(json["exposures"], 193 - 41 - 7);
+  EXPECT_EQ(json["shoot"]["shot"], 193);
+  EXPECT_EQ(json["shoot"]["shot_again"], 0);
+  const std::string text = file_contents(log);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 1 + 193 + 1);
+  EXPECT_LT(text.find(",41,1,1"), text.find(",43,1,1"));
+  EXPECT_LT(text.find(",43,1,1"), text.find(",51,1,1")) << "44..50 are not shot again";
+  const ProgramRun again = shoot_on(log, {"--resume"});
+  EXPECT_EQ(again.status, 0);
+  EXPECT_THAT(again.err, HasSubstr("every frame was shot before"));
+  EXPECT_THAT(again.err, HasSubstr("frames 0..192: 193 due, 193 shot\n"));
+}
+
+TEST(Shooting, ALogThatIsNoneOfTheMoveIsNotGoneOnWith) {
+  const auto refused = [](const std::string& lines) {
+    const TemporaryFile log("shoot.csv", "at,frame,shots,whole\n" + lines);
+    const ProgramRun run = run_with({"--step", "--shoot-log", log.path().string(), "--resume"});
+    EXPECT_EQ(run.status, 1);
+    return run.err;
+  };
+  EXPECT_THAT(refused("2026-01-01T12:00:00Z,193,1,1\n"),
+              HasSubstr(":2: error: frame 193 was shot, and the move has "));
+  EXPECT_THAT(refused("2026-01-01T12:00:00Z,3,1,1\n2026-01-01T12:0"),
+              HasSubstr(":3: error: this is no line of a"));
+  EXPECT_THAT(run_with({"--step", "--resume"}).err, HasSubstr("name it with --shoot-log FILE"));
+  EXPECT_THAT(run_with({"--resume"}).err, HasSubstr("--resume belongs to --step or --shutter"));
+}
+
+TEST(Shooting, GoingToAFrameAndTheWheelLookAtIt) {
+  const RunReport report =
+      shoot_typing({{5000, "g12\r"}, {9000, "\x1b[<64;1;1M"}, {9500, " "}, {11000, "q"}}, nullptr);
+  EXPECT_EQ(report.exposures, 1);
+  EXPECT_EQ(report.shoot->last_shot, 13);
 }
 
 const std::string pan_of_two_seconds = R"(name = "pan of two seconds"

@@ -55,7 +55,12 @@ TEST(TransportKeys, ReadWhatATerminalSends) {
   EXPECT_THAT(keys_of("\x1b\x1b"), ElementsAre(TransportKey::stop, TransportKey::stop));
   EXPECT_THAT(keys_of("\x1b[A\x1b[B"), ElementsAre(TransportKey::previous_axis, TransportKey::next_axis));
   EXPECT_THAT(keys_of("\x1b[H\x1bOH\x1b[1~\x1b[7~"), Each(TransportKey::home));
-  EXPECT_THAT(keys_of("xyz\x1b[F\x1b[15~\x1b[1;5C\x1b[5~\xff"), IsEmpty()) << "other keys do nothing";
+  EXPECT_THAT(keys_of("\x1b[<64;10;5M\x1b[<65;10;5Mgk09\x7f"),
+              ElementsAre(TransportKey::detent_forward, TransportKey::detent_backward,
+                          TransportKey::go_to_frame, TransportKey::go_to_key, TransportKey::digit_0,
+                          TransportKey::digit_9, TransportKey::erase));
+  EXPECT_THAT(keys_of("xyz\x1b[<0;10;5M\x1b[<0;10;5m\x1b[F\x1b[15~\x1b[1;5C\x1b[5~\xff"), IsEmpty())
+      << "other keys do nothing";
 }
 
 // Kitty's keyboard protocol, with Num Lock on (129) and off, and the keys of a US keyboard and its keypad.
@@ -215,7 +220,7 @@ TEST(Takes, EachBeginsWhenSomebodyAsksAndHasARecordOfItsOwn) {
 }
 
 TEST(Takes, NothingMovesWithoutAnEnterThatCameWhileItWaited) {
-  for (const char* keys : {" ", "r", "\x1b[C", "a", "+-", "\x1b[H", "\x1b", " r r "}) {
+  for (const char* keys : {" ", "r", "a", "+-", "g96", "k1\x7f", "\x1b[H", "\x1b", " r r "}) {
     const Takes takes({{500, keys}, {3000, "q"}});
     EXPECT_EQ(takes.report.takes.size(), 0U) << keys;
     EXPECT_EQ(takes.report.axes[0].last_actual, 60) << keys;
