@@ -119,6 +119,55 @@ int jog_command(const JogArguments& arguments) {
   return end.is_done ? 0 : exit_fault;
 }
 
+constexpr const char* jog_explanation =
+    R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a hundredth of
+the way between its limits, and a count of its drive at least. Up and down choose the axis, any other key stops
+it; q, Esc and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does
+nothing.
+
+A key that is held moves the axis on after its step, until it is let go or has moved it by the --reach; then it
+must be pressed anew. A terminal with kitty's keyboard protocol (kitty, foot, Ghostty, WezTerm and others) tells
+when a key is let go. Others, tmux and the console among them, repeat a key that is held: there a press waits
+150 ms, a key counts as held once two repeats came at the rate of a keyboard (10 to 120 ms apart), and as let go
+150 ms after the last one. The same silence ends it where a release is lost, the terminal hangs or the connection
+drops. Keys that come later than they were pressed, all at once, move nothing.
+
+With --device instead the axis moves while right or left, + or - on the keypad, or the cross of a game pad is
+held, and rests as soon as its limits allow when it is let go, when the device is unplugged, or when it has
+moved by the --reach. It begins from neutral only: after a second key, or a key that was held before, let go of
+all. A program that does not look at the device for 150 ms takes it for let go. A detent of a wheel is one step
+at once; detents that come while the axis moves are dropped, so that it rests when the wheel does, at the end of
+its step. Nobody else hears the device meanwhile: its keys 1 to 5, up, down, q, Esc, Ctrl-C and those below do
+what they do on the terminal, by their places on a US keyboard.
+
+With --teach MOVE a key press stores where all axes of a track stand, in the track of the chosen axis: Enter
+appends a key, i inserts one before the chosen key, t replaces the chosen key, n and p choose the next and the
+previous one, u takes the last one back. Where the key before or behind stands already, nearer than a thousandth
+of its range on every axis, it asks first: the same key again stores it. Each is written at once, and comments
+stay. A file that somebody else changes meanwhile is read again and never overwritten. Keys of a track with
+timing = "frames" can be replaced only, since a new one would need its frame; keys in the world, and of axes
+that count round (wrap), are edited in the file. An unreferenced axis has no position to store. Whether the move
+fits, check says.
+
+With --measure WAY nothing is moved by keys: put a mark where the axis stands, agree, measure how far it has
+gone, and write that in its unit. The command says what to write into the rig. A drive that takes and tells
+positions in one wrong scale cannot find that out by itself.
+
+Axes stay inside their soft limits. One that stands outside moves inwards only, at a tenth of its velocity at
+most until this command ends. An unreferenced axis (one that does not know where it is) has none: it
+moves at a tenth of the share at most, and alone: where AXIS is one nothing is sent to the other drives of the
+rig, and up and down choose nothing. Bring it to its mark, and say so with inbetween goto --set-zero.
+
+Exit status: 0 left, by whichever key; 1 refused; 4 stopped by something else.
+
+Examples:
+  inbetween jog --rig rig.toml focus
+  inbetween jog --rig rig.toml pan --speed 0.02
+  inbetween jog --rig rig.toml pan --device /dev/input/by-id/usb-pad-event-joystick
+  inbetween jog --rig rig.toml slide --teach move.toml
+  inbetween jog --rig rig.toml slide --measure 100
+  inbetween jog --rig rig.toml pan --sim --from pan=30)";
+
 void describe(CLI::App& app, JogArguments& arguments) {
   app.add_option("AXIS", arguments.axis, "the axis to begin with")->required();
   add_setup_options(app, arguments.setup, false);
@@ -145,52 +194,7 @@ void describe(CLI::App& app, JogArguments& arguments) {
                  "a way, in the unit of the axis: it moves by it, once and slowly, then asks what you have\n"
                  "measured, and says by what its scale is wrong");
   app.add_flag("--yes", arguments.yes, "with --measure: agree that the axis moves");
-  app.footer(
-      R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a
-hundredth of the way between its limits, and a count of its drive at least. Up and down choose the axis, any other key stops it; q, Esc
-and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does nothing.
-
-A key that is held moves the axis on after its step, until it is let go or has moved it by the --reach; then it
-must be pressed anew. A terminal with kitty's keyboard protocol (kitty, foot, Ghostty, WezTerm and others) tells
-when a key is let go. Others, tmux and the console among them, repeat a key that is held: there a press waits
-150 ms, a key counts as held once two repeats came at the rate of a keyboard (10 to 120 ms apart), and as let go
-150 ms after the last one. The same silence ends it where a release is lost, the terminal hangs or the connection
-drops. Keys that come later than they were pressed, all at once, move nothing.
-
-With --device instead the axis moves while right or left, + or - on the keypad, or the cross of a game pad is held,
-and rests as soon as its limits allow when it is let go, when the device is unplugged, or when it has moved by
-the --reach. It begins from neutral only: after a second key, or a key that was held before, let go of all.
-A program that does not look at the device for 150 ms takes it for let go. A detent of a wheel is one step at
-once; detents that come while the axis moves are dropped, so that it rests when the wheel does, at the end of
-its step. Nobody else hears the device meanwhile: its keys 1 to 5, up, down, q, Esc, Ctrl-C and those below do
-what they do on the terminal, by their places on a US keyboard.
-
-With --teach MOVE a key press stores where all axes of a track stand, in the track of the chosen axis: Enter
-appends a key, i inserts one before the chosen key, t replaces the chosen key, n and p choose the next and
-the previous one, u takes the last one back. Where the key before or behind stands already, nearer than a
-thousandth of its range on every axis, it asks first: the same key again stores it. Each is written at once, and comments stay. A file that somebody
-else changes meanwhile is read again and never overwritten. Keys of a track with timing = "frames" can be
-replaced only, since a new one would need its frame; keys in the world, and of axes that count round (wrap),
-are edited in the file. An unreferenced axis has no position to store. Whether the move fits, check says.
-
-With --measure WAY nothing is moved by keys: put a mark where the axis stands, agree, measure how far it has
-gone, and write that in its unit. The command says what to write into the rig. A drive that takes and tells
-positions in one wrong scale cannot find that out by itself.
-
-Axes stay inside their soft limits. One that stands outside moves inwards only, at a tenth of its velocity at
-most until this command ends. An unreferenced axis (one that does not know where it is) has none: it
-moves at a tenth of the share at most, and alone: where AXIS is one nothing is sent to the other drives of the
-rig, and up and down choose nothing. Bring it to its mark, and say so with inbetween goto --set-zero.
-
-Exit status: 0 left, by whichever key; 1 refused; 4 stopped by something else.
-
-Examples:
-  inbetween jog --rig rig.toml focus
-  inbetween jog --rig rig.toml pan --speed 0.02
-  inbetween jog --rig rig.toml pan --device /dev/input/by-id/usb-pad-event-joystick
-  inbetween jog --rig rig.toml slide --teach move.toml
-  inbetween jog --rig rig.toml slide --measure 100
-  inbetween jog --rig rig.toml pan --sim --from pan=30)");
+  app.footer(jog_explanation);
 }
 
 }  // namespace

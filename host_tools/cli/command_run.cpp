@@ -382,11 +382,11 @@ The drives of a real rig are switched on only where every axis says that it keep
 (unpowered = "holds").
 
 On a terminal it is a tape recorder: space pauses and plays, r turns, left and right go to the next frame, and
-held on and on, as the wheel of a mouse does by frames; g 9 6 Enter goes to frame 96 and k 3 Enter to key 3 of the
-first track (the first is 0), along the path and slowly: no axis faster than a tenth of its limit. Home goes back
-to the start, + and - change the rate, Esc stops. After a stop, a acknowledges it and Enter
-starts again; q stops and leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the
-path and inside their stop limits.
+held on and on, as the wheel of a mouse does by frames; g 9 6 Enter goes to frame 96 and k 3 Enter to key 3 of
+the first track (the first is 0), along the path and slowly: no axis faster than a tenth of its limit. Home goes
+back to the start, + and - change the rate, Esc stops. After a stop, a acknowledges it and Enter starts again; q
+stops and leaves, as Ctrl-C and a lost terminal do. Whatever changes, the axes stay on the path and inside their
+stop limits.
 
 The screen shows what happens (going to the start, pre-roll, playing, post-roll, stopped), frame, rate and the
 time that is left, and where every axis was told to be, is, and how far behind it is. It follows the size of
@@ -405,10 +405,10 @@ passes it, and out of frame 80 to rest. It has its own check (inbetween check --
 start, takes and Home; its positions are those of the whole move, and so are the numbers of its frames. Cues
 of other frames do not happen; the clapper claps on the first and the last that is played.
 
---loop is refused for a move that does not end where it starts. A periodic move goes on through its seam at
-its speed: --turns K plays K turns between one pre-roll and one post-roll, --loop goes round until it is
-stopped; where every turn ends further on it says beforehand how many fit on the rig, and plays these. The
-screen shows the turn, and the frame in it. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
+--loop is refused for a move that does not end where it starts. A periodic move goes on through its seam at its
+speed: --turns K plays K turns between one pre-roll and one post-roll, --loop goes round until it is stopped;
+where every turn ends further on it says beforehand how many fit on the rig, and plays these. The screen shows
+the turn, and the frame in it. With --step or --shutter either shoots N frames a turn: frame N is frame 0.
 
 --step goes to the first frame and exposes it when space (or without a terminal the camera) asks; space goes
 on with the next frame that is not shot, e exposes the one that the rig stands on again, left and right look at
