@@ -1,7 +1,22 @@
 # in_batches(RESULT NAME SIZE SOURCE...): a batch is a source file that includes SIZE others, so that the headers they
 # share are read once, which is most of what compiling costs. RESULT is the list of batches. They name their files from
 # the root (those of CMake's UNITY_BUILD hold the path of the checkout), so that ccache serves every checkout.
+# INBETWEEN_BATCHES: off leaves every source by itself, so that compile_commands.json has each of them; large makes
+# batches twice as long, which a whole build is through with earlier, and one that changes a file is not; whole makes one
+# of each room, where two names that meet are an error.
+set(INBETWEEN_BATCHES small CACHE STRING "Compile source files together: off, small, large or whole")
+set_property(CACHE INBETWEEN_BATCHES PROPERTY STRINGS off small large whole)
 function(in_batches result name size)
+  if(INBETWEEN_BATCHES STREQUAL "off")
+    set(${result} ${ARGN} PARENT_SCOPE)
+    return()
+  elseif(INBETWEEN_BATCHES STREQUAL "large")
+    math(EXPR size "2 * ${size}")
+  elseif(INBETWEEN_BATCHES STREQUAL "whole")
+    list(LENGTH ARGN size)
+  elseif(NOT INBETWEEN_BATCHES STREQUAL "small")
+    message(FATAL_ERROR "INBETWEEN_BATCHES is \"${INBETWEEN_BATCHES}\"; write off, small, large or whole")
+  endif()
   set(batches "")
   set(text "")
   set(in_batch 0)

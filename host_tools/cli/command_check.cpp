@@ -224,7 +224,7 @@ int check_command(const CheckArguments& arguments) {
   return report.fits() ? 0 : exit_limit;
 }
 
-constexpr const char* explanation =
+constexpr const char* check_explanation =
     R"(Every moment from the first frame to the last is held against the limits, not samples of it: a peak
 is a proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a
 max_jerk.
@@ -300,7 +300,7 @@ void describe(CLI::App& app, CheckArguments& arguments) {
   app.add_flag("--fewest", arguments.fewest,
                "fit in the fewest frames for which a curve is found, not in those of the move")
       ->needs(fit);
-  app.footer(explanation);
+  app.footer(check_explanation);
 }
 
 }  // namespace

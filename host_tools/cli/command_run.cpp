@@ -372,7 +372,7 @@ int run_command(const RunArguments& arguments) {
   return exit_status_of(report, arguments.is_shot());
 }
 
-constexpr char explanation[] =
+constexpr char run_explanation[] =
     R"(Before the first setpoint is sent, the move is held against the limits of the rig as inbetween check
 does, and every setpoint against its positions: a move that does not fit moves nothing (exit status 3). A rig
 that does not stand where the move starts goes there first, at a tenth of its limits unless --speed says
@@ -521,7 +521,7 @@ void describe(CLI::App& app, RunArguments& arguments) {
   app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
   add_shoot_options(app, arguments);
   group_options(app);
-  app.footer(explanation);
+  app.footer(run_explanation);
 }
 
 }  // namespace

@@ -8,14 +8,13 @@
 #include <system_error>
 #include <utility>
 
+#include "host_tools/files/toml_source.hpp"
 #include "host_tools/files/toml_value.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-
-std::string trimmed(std::string_view field) {
+std::string without_blanks(std::string_view field) {
   const std::size_t begin = field.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return "";
   return std::string(field.substr(begin, field.find_last_not_of(" \t") - begin + 1));
@@ -48,7 +47,7 @@ class CsvReader {
       row.fields.push_back(quoted(row.line));
       refuse_more_behind_quote();
     } else {
-      row.fields.push_back(trimmed(rest_.substr(0, rest_.find_first_of(",\r\n"))));
+      row.fields.push_back(without_blanks(rest_.substr(0, rest_.find_first_of(",\r\n"))));
     }
     const std::size_t end = rest_.find_first_of(",\r\n");
     if (end == std::string_view::npos) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "host_tools/files/toml_source.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -94,7 +96,6 @@ void IniSections::read_line(std::string_view line, const Place& place) {
 }
 
 IniSections::IniSections(std::string_view text, const std::string& file_name) {
-  constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   std::uint32_t number = 0;
   while (!text.empty()) {

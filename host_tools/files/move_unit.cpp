@@ -7,26 +7,26 @@
 namespace inbetween {
 namespace {
 
-enum class Kind : std::uint8_t { none, length, angle };
+enum class UnitKind : std::uint8_t { none, length, angle };
 
 /// How many mm or degrees a unit is, as a fraction of numbers that are exact where that can be.
 struct Size {
-  Kind kind = Kind::none;
+  UnitKind kind = UnitKind::none;
   double of_base = 1;
   double divisor = 1;
 };
 
 /// In the order of MoveUnit.
 constexpr std::array sizes = {
-    Size{},                                    // of_rig
-    Size{Kind::length, 1},                     // mm
-    Size{Kind::length, 10},                    // cm
-    Size{Kind::length, 1000},                  // m
-    Size{Kind::length, 254, 10},               // in
-    Size{Kind::length, 3048, 10},              // ft
-    Size{Kind::angle, 1},                      // deg
-    Size{Kind::angle, 180, std::numbers::pi},  // rad
-    Size{Kind::angle, 360},                    // turn
+    Size{},                                        // of_rig
+    Size{UnitKind::length, 1},                     // mm
+    Size{UnitKind::length, 10},                    // cm
+    Size{UnitKind::length, 1000},                  // m
+    Size{UnitKind::length, 254, 10},               // in
+    Size{UnitKind::length, 3048, 10},              // ft
+    Size{UnitKind::angle, 1},                      // deg
+    Size{UnitKind::angle, 180, std::numbers::pi},  // rad
+    Size{UnitKind::angle, 360},                    // turn
 };
 
 }  // namespace

@@ -314,7 +314,6 @@ std::string read_text_file(const std::filesystem::path& path) {
 }
 
 toml::table parse_toml(std::string_view text, const std::string& file_name) {
-  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   refuse_invalid_utf8(text, file_name);
   refuse_unsafe_structure(text, file_name);
@@ -332,7 +331,6 @@ Place place_of(const toml::node& node) {
 }
 
 std::size_t offset_of(std::string_view text, const Place& place) {
-  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
   std::size_t at = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
   for (std::uint32_t line = 1; line < place.line; ++line) at = text.find('\n', at) + 1;
   const auto continues_a_character = [&](std::size_t i) {

@@ -15,6 +15,8 @@
 
 namespace inbetween {
 
+/// That a text may begin with, in UTF-8.
+inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
 inline constexpr std::size_t max_file_bytes = std::size_t{8} << 20U;
 /// Our files nest four levels deep. toml++ and its destructors recurse once per level.
 inline constexpr std::size_t max_toml_nesting = 16;

@@ -15,7 +15,7 @@ namespace {
 /// A limit counts as this share larger, for the rounding of what is held against it.
 constexpr double limit_rounding = 1e-6;
 /// A position may be off by this share of it.
-constexpr double position_rounding = 1e-9;
+constexpr double place_rounding = 1e-9;
 /// A place so near to a key, in t, is the key, where the direction of the path may change.
 constexpr double key_rounding = 1e-6;
 /// An axis that makes up a smaller share of the direction of the path says nothing of the speed along it.
@@ -30,13 +30,13 @@ struct Range {
 constexpr int halvings = 60;
 
 /// How an axis may move between two places.
-struct Way {
+struct Stretch {
   Range distance;  ///< what it travels, as exactly as it is known
   double seconds = 0;
   Range velocity;  ///< on the whole way
   double acceleration = 0;
 
-  [[nodiscard]] Way turned_round() const {
+  [[nodiscard]] Stretch turned_round() const {
     return {{-distance.high, -distance.low}, seconds, {-velocity.high, -velocity.low}, acceleration};
   }
   /// The farthest way with these velocities at its ends: full acceleration, the highest velocity if it is
@@ -51,7 +51,7 @@ struct Way {
 
 /// The lowest velocity at the end of a way, whose velocity at the beginning is in `before`: below it the axis
 /// does not come far enough. Above the highest possible one where it never does.
-double lowest_after(const Range& before, const Way& way) {
+double lowest_after(const Range& before, const Stretch& way) {
   const double change = way.acceleration * way.seconds;
   double low = std::max(before.low - change, way.velocity.low);
   double high = std::min(before.high + change, way.velocity.high);
@@ -69,7 +69,7 @@ double lowest_after(const Range& before, const Way& way) {
 /// The velocities of an axis at the end of a way. None are left, low above high, where it cannot be there in
 /// this time. That each is possible with some velocity at the beginning follows from both bounds rising with
 /// it.
-Range velocities_after(const Range& before, const Way& way) {
+Range velocities_after(const Range& before, const Stretch& way) {
   const double low = std::clamp(before.low, way.velocity.low, way.velocity.high);
   const double high = std::clamp(before.high, way.velocity.low, way.velocity.high);
   return {lowest_after({low, high}, way), -lowest_after({-high, -low}, way.turned_round())};
@@ -199,7 +199,7 @@ class LockReach {
       const double seconds = (to.meeting.frame - from.meeting.frame - from.meeting.hold) / fps_;
       for (std::size_t d = 0; d < axes_.size(); ++d) {
         const double distance = to.position[d] - from.position[d];
-        const double off = position_rounding * (std::fabs(to.position[d]) + std::fabs(from.position[d]));
+        const double off = place_rounding * (std::fabs(to.position[d]) + std::fabs(from.position[d]));
         velocities[d] = velocities_after(velocities[d], {.distance = {distance - off, distance + off},
                                                          .seconds = seconds,
                                                          .velocity = velocity_between(from, to, d),

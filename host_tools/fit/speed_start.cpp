@@ -112,10 +112,10 @@ std::vector<double> curvature_start(const Track& track, std::span<const RigAxis>
                                     const StartWishes& wishes) {
   const std::vector<double> ramp = ramp_of(wishes);
   const std::vector<Reach> reaches = reaches_of(track, axes);
-  const double per_span = std::ldexp(track.curve_rate(), wishes.refinements);
+  const double spans_per_s = std::ldexp(track.curve_rate(), wishes.refinements);
   // dL/dt = ramp(a) speed(L) is separable: the seconds at full speed are the integral of the ramp.
   const ControlCurve ramp_curve(ramp, wishes.ends);
-  const double seconds = ramp_curve.total() / per_span;
+  const double seconds = ramp_curve.total() / spans_per_s;
   const double pace = pace_for(reaches, seconds);
   const double all = seconds_of(reaches, pace);
   std::vector<double> values;

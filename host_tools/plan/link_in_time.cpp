@@ -12,7 +12,7 @@ namespace inbetween {
 namespace {
 
 /// Of the largest velocity or acceleration: a smaller step is rounding.
-constexpr double step_share = 1e-6;
+constexpr double visible_step_share = 1e-6;
 /// Of a position: what its rounding may make of it in a frame. What stands, or goes evenly, has no velocity
 /// or no acceleration of which a share could be taken.
 constexpr double rounding_share = 1e-9;
@@ -24,8 +24,9 @@ bool steps_between_ends(const BoundedMove& bounded, const Track& track) {
     const double rounding =
         rounding_share * std::max(std::fabs(peaks.lowest.value), std::fabs(peaks.highest.value));
     const bool is_inside = step.frame > 0 && step.frame < track.frames();
-    return is_inside && (step.velocity > step_share * peaks.velocity.value + rounding * rate ||
-                         step.acceleration > step_share * peaks.acceleration.value + rounding * rate * rate);
+    return is_inside &&
+           (step.velocity > visible_step_share * peaks.velocity.value + rounding * rate ||
+            step.acceleration > visible_step_share * peaks.acceleration.value + rounding * rate * rate);
   });
 }
 

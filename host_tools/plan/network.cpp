@@ -13,12 +13,12 @@ namespace {
 /// Rests put knots on quarters of the way between two keys, which are whole quarters of frames.
 constexpr std::int64_t quarters_per_frame = 4;
 /// Segments between two keys beside a rest.
-constexpr std::size_t max_parts = 4;
+constexpr std::size_t max_parts_per_frame = 4;
 
 /// As a share of the range of an axis: what a number may lose that is written in a file and converted to
 /// another unit. In ulp of the largest number of the axis, where the range is small beside that: what
 /// evaluating a cubic may lose.
-constexpr double max_gap_share = 1e-9;
+constexpr double closed_share = 1e-9;
 constexpr double max_gap_ulps = 8;
 
 Cubic plus(const Cubic& a, double weight, const Cubic& b) {
@@ -43,7 +43,7 @@ std::vector<FrameSpline> drawn_curves(const NetworkSpec& spec) {
 FrameSpline::FrameSpline(std::span<const std::int32_t> frames, std::span<const double> at, std::size_t axes,
                          bool rests_at_start, bool rests_at_end)
     : axes_(axes) {
-  const std::size_t most = max_parts * frames.size();
+  const std::size_t most = max_parts_per_frame * frames.size();
   std::vector<double> weights(axes);
   std::vector<FrameKnot> knots(most);
   cubics_.resize(most * axes);
@@ -107,7 +107,7 @@ std::optional<NetworkGap> Network::gap() const {
       high = std::max(high, spec_.keys[i]);
     }
     const double ulp = std::numeric_limits<double>::epsilon() * std::max(std::fabs(low), std::fabs(high));
-    allowed.push_back(std::max(max_gap_share * (high - low), max_gap_ulps * ulp));
+    allowed.push_back(std::max(closed_share * (high - low), max_gap_ulps * ulp));
   }
   for (std::size_t key = 0; key < spec_.key_frames.size(); ++key) {
     for (std::size_t i = 0; i < drawn_.size(); ++i) {

@@ -20,11 +20,11 @@ constexpr std::int32_t min_pace_spans = 8;
 /// Twenty are usual. Where there is no curve the iteration makes no way.
 constexpr int max_pace_iterations = 200;
 /// The share of a step that is taken, so that no control value reaches 0.
-constexpr double step_share = 0.995;
+constexpr double way_to_border = 0.995;
 /// The tolerance of the complementarity and of the rows, with control values about 1.
 constexpr double pace_tolerance = 1e-13;
 /// A row may miss by this share of the length: more is no rounding.
-constexpr double acceptable_miss = 1e-11;
+constexpr double acceptable_pace_miss = 1e-11;
 
 Error unmet(std::int32_t key, std::int32_t frame) {
   return {.code = ErrorCode::no_solution,
@@ -87,7 +87,7 @@ class PaceProgram {
   bool solve() {
     start();
     for (int i = 0; i < max_pace_iterations && !is_solved(); ++i) step();
-    return missed() <= acceptable_miss;
+    return missed() <= acceptable_pace_miss;
   }
   /// The key that is missed most.
   [[nodiscard]] Error blame() const {
@@ -276,7 +276,7 @@ class PaceProgram {
   static double longest(const std::vector<double>& from, const std::vector<double>& by) {
     double step = 1;
     for (std::size_t p = 0; p < from.size(); ++p) {
-      if (by[p] < 0) step = std::min(step, -step_share * from[p] / by[p]);
+      if (by[p] < 0) step = std::min(step, -way_to_border * from[p] / by[p]);
     }
     return step;
   }

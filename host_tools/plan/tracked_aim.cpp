@@ -22,7 +22,7 @@ constexpr std::size_t max_time_steps = 200'000;
 constexpr double max_aim_rad = 2e-5;
 constexpr double max_speed_share = 5e-5;
 /// Between two keys: more would only follow what has a jump.
-constexpr std::int32_t max_parts = 32'767;
+constexpr std::int32_t max_aim_parts = 32'767;
 
 /// The cubic on one step that has these places and velocities (per step) at its ends.
 Cubic between(double from, double velocity, double to, double end_velocity) {
@@ -95,7 +95,7 @@ class Tracking {
       step_s_ = 1 / (per_frame_ * drawn_.frame_rate().frames_per_second());
       steps_ = static_cast<std::size_t>(drawn_.frames()) * static_cast<std::size_t>(per_frame_);
       if (steps_ < 8) continue;
-      if (steps_ > max_time_steps || longest_way_between_keys() * per_frame_ > max_parts) break;
+      if (steps_ > max_time_steps || longest_way_between_keys() * per_frame_ > max_aim_parts) break;
       if (drawn_way() > way_) continue;
       sample();
       FollowedPath path = build();

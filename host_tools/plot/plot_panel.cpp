@@ -10,7 +10,7 @@ namespace inbetween {
 namespace {
 
 constexpr double tick_size = 11;
-constexpr double gap = 6;
+constexpr double label_gap = 6;
 // The middle of a digit is this share of the font's size above the base line.
 constexpr double half_digit = 0.36;
 
@@ -54,7 +54,7 @@ TickLabels draw_left_ticks(Canvas& canvas, const Box& area, const Scale& y, bool
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double at = y(ticks[i]);
     if (grid) canvas.line({area.x, at}, {area.right(), at}, {plot_color::grid});
-    canvas.text({area.x - gap, at + half_digit * tick_size}, labels.labels[i], style);
+    canvas.text({area.x - label_gap, at + half_digit * tick_size}, labels.labels[i], style);
   }
   return labels;
 }
@@ -65,7 +65,7 @@ TickLabels draw_right_ticks(Canvas& canvas, const Box& area, const Scale& y) {
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double at = y(ticks[i]);
     canvas.line({area.right(), at}, {area.right() + 4, at}, {plot_color::frame});
-    canvas.text({area.right() + gap + 2, at + half_digit * tick_size}, labels.labels[i],
+    canvas.text({area.right() + label_gap + 2, at + half_digit * tick_size}, labels.labels[i],
                 {.size = tick_size, .color = plot_color::quiet});
   }
   return labels;
@@ -78,7 +78,7 @@ TickLabels draw_bottom_ticks(Canvas& canvas, const Box& area, const Scale& x) {
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     const double at = x(ticks[i]);
     canvas.line({at, area.y}, {at, area.bottom()}, {plot_color::grid});
-    canvas.text({at, area.bottom() + gap + tick_size - 2}, labels.labels[i], style);
+    canvas.text({at, area.bottom() + label_gap + tick_size - 2}, labels.labels[i], style);
   }
   return labels;
 }

@@ -104,8 +104,8 @@ std::string stripe_remark(const Progress& progress, std::size_t every) {
 }
 
 // Beside the rows of the axes: names and numbers on the left, limits on the right.
-constexpr double left_room = 200;
-constexpr double right_room = 110;
+constexpr double left_of_rows = 200;
+constexpr double right_of_rows = 110;
 
 struct LimitLabel {
   std::string words;
@@ -135,7 +135,7 @@ void draw_limits(Canvas& canvas, const Box& area, const PlotAxis& axis, const Sc
   }
   for (const LimitLabel& label : {maximum, minimum}) {
     canvas.text({area.right() + 8, label.base_line}, label.words,
-                shrunk(canvas, label.words, style, right_room));
+                shrunk(canvas, label.words, style, right_of_rows));
   }
 }
 
@@ -232,14 +232,14 @@ void draw_row(Canvas& canvas, const Box& area, double left, const PlotMove& move
   }
 }
 
-double row_height(std::size_t axes) {
+double height_of_row(std::size_t axes) {
   return axes <= 8 ? 92 : axes <= 24 ? 64 : 46;
 }
 
-constexpr double above_rows = 52;
-constexpr double below_rows = 40;
+constexpr double over_rows = 52;
+constexpr double under_rows = 40;
 /// Between the rows of so many axes.
-double row_gap(std::size_t axes) {
+double gap_of_rows(std::size_t axes) {
   return axes <= 24 ? 12 : 4;
 }
 
@@ -287,9 +287,9 @@ void draw_time_bar(Canvas& canvas, const Box& panel, const PlotMove& move, const
 }
 
 double positions_height(const PlotMove& move) {
-  const double gap = row_gap(move.axes.size());
+  const double gap = gap_of_rows(move.axes.size());
   const auto rows = static_cast<double>(move.axes.size());
-  return above_rows + rows * (row_height(move.axes.size()) + gap) - gap + below_rows;
+  return over_rows + rows * (height_of_row(move.axes.size()) + gap) - gap + under_rows;
 }
 
 std::string dots_in_words(const PlotMove& move) {
@@ -299,16 +299,16 @@ std::string dots_in_words(const PlotMove& move) {
 }
 
 void draw_positions(Canvas& canvas, const Box& panel, const PlotMove& move) {
-  const double gap = row_gap(move.axes.size());
+  const double gap = gap_of_rows(move.axes.size());
   const double height =
-      (panel.height - above_rows - below_rows + gap) / static_cast<double>(move.axes.size()) - gap;
-  Box area{panel.x + left_room, panel.y + above_rows, panel.width - left_room - right_room, height};
+      (panel.height - over_rows - under_rows + gap) / static_cast<double>(move.axes.size()) - gap;
+  Box area{panel.x + left_of_rows, panel.y + over_rows, panel.width - left_of_rows - right_of_rows, height};
   const bool rolls = move.first_frame < move.part.first || move.last_frame > move.part.last;
   draw_heading(
       canvas, {panel.x, panel.y + 14}, "Axis positions",
       dots_in_words(move) + (rolls ? "; dashed: limits; grey: pre-roll and post-roll" : "; dashed: limits"),
       panel.width);
-  draw_time_ticks(canvas, {area.x, area.y, area.width, panel.height - above_rows - below_rows}, move);
+  draw_time_ticks(canvas, {area.x, area.y, area.width, panel.height - over_rows - under_rows}, move);
   for (std::size_t i = 0; i < move.axes.size(); ++i) {
     draw_row(canvas, area, panel.x, move, i);
     area.y += height + gap;

@@ -110,7 +110,7 @@ struct PictureScale {
 };
 
 PictureScale fitted(const std::vector<Point>& points, const Box& area) {
-  constexpr double edge = 22;
+  constexpr double margin = 22;
   std::vector<double> across;
   std::vector<double> up;
   for (const Point& point : points) {
@@ -120,7 +120,7 @@ PictureScale fitted(const std::vector<Point>& points, const Box& area) {
   Range x = range_of(across);
   Range y = range_of(up);
   const double nothing = 1e-6 * (1 + std::fabs(x.low) + std::fabs(y.low));
-  const double metres = std::max({x.size() / (area.width - 2 * edge), y.size() / (area.height - 2 * edge),
+  const double metres = std::max({x.size() / (area.width - 2 * margin), y.size() / (area.height - 2 * margin),
                                   nothing / area.width});  // a pixel
   const auto around = [&](const Range& range, double pixels) {
     const double middle = (range.low + range.high) / 2;

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "host_tools/files/diagnostics.hpp"
+#include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {
 namespace {
 
-constexpr std::int64_t ns_per_ms = 1'000'000;
 /// Many boards start anew when their port is opened, and their boot loader listens for so long.
 constexpr std::int64_t boot_ns = 2'000'000'000;
 /// The longest whole number, and what is beside the axes in a line; and that in a line of the first hours.
@@ -115,7 +115,7 @@ void PipeDrives::write(std::span<const Setpoint> setpoints, std::int64_t now_ns)
 
 void PipeDrives::send_line(Pipe& pipe, std::int64_t now_ns) {
   if (pipe.has_failed) return;
-  char* end = fmt::format_to(pipe.line.data(), "{} {}", line_, (now_ns - first_line_ns_) / ns_per_ms);
+  char* end = fmt::format_to(pipe.line.data(), "{} {}", line_, (now_ns - first_line_ns_) / (ns_per_s / 1000));
   for (const std::size_t i : pipe.lanes) {
     const PipeDrive& drive = *lanes_[i].drive;
     const double count = std::floor(lanes_[i].told * drive.counts_per_unit + drive.count_at_zero + 0.5);

@@ -31,8 +31,8 @@ can::ServoSettings servo_settings_of(const RigAxis& axis, double turns_per_unit,
   const double tick_s = 1.0 / rate_hz;
   can::ServoSettings settings;
   // The rates above the drawn one are certified within this share.
-  constexpr double step_share = 1.2;
-  settings.max_turns_per_s = step_share * max_turns_per_s;
+  constexpr double rate_share = 1.2;
+  settings.max_turns_per_s = rate_share * max_turns_per_s;
   settings.max_step_turns = settings.max_turns_per_s * tick_s;
   // Float32 turns and the noise of an encoder; what the axis covers at max_velocity in two milliseconds is a
   // place that it holds.
