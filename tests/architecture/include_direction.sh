@@ -31,6 +31,18 @@ BEGIN {
   # Which rooms of the same folder a room may look into, besides itself: the lists of CMakeLists.txt.
   read_rooms("firmware_core")
   read_rooms("host_tools")
+  read_pure_rooms()
+}
+
+# Reads the line "set(pure_rooms ROOM...)".
+function read_pure_rooms(    line, names, i) {
+  while ((getline line < "host_tools/CMakeLists.txt") > 0) {
+    if (line !~ /^set\(pure_rooms [a-z ]+\)$/) continue
+    gsub(/^set\(pure_rooms |\)$/, "", line)
+    split(line, names, " ")
+    for (i in names) pure["host_tools/" names[i]] = 1
+  }
+  close("host_tools/CMakeLists.txt")
 }
 
 # Reads the lines "add_core_room(ROOM ROOM...)" and "add_host_room(ROOM ROOM...)".
@@ -124,6 +136,8 @@ function folder_of(path) {
     refuse("an oracle is independent: it may include oracle_* and the standard library only")
   else if (target != folder && index(sees[folder], " " target " ") == 0)
     refuse(folder " may not look into " target)
+  else if (room_in(FILENAME) in pure && (target == "drivers" || target == "sim"))
+    refuse(room_in(FILENAME) " computes, and may not look into " target)
   else {
     here = room_in(FILENAME)
     there = room_in(name)

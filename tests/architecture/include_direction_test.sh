@@ -14,7 +14,8 @@ verdict_on() { # verdict_on FILE LINE
   mkdir --parents "$tree/firmware_core/src/path" "$tree/host_tools"
   printf 'int of_path_alone;\n' >"$tree/firmware_core/src/path/private.hpp"
   printf 'add_core_room(%s)\n' base 'path base' 'timing path base' >"$tree/firmware_core/CMakeLists.txt"
-  printf 'add_host_room(%s)\n' files 'plan files' 'rig files' 'motions rig plan files' >"$tree/host_tools/CMakeLists.txt"
+  printf 'set(pure_rooms plan fit)\n' >"$tree/host_tools/CMakeLists.txt"
+  printf 'add_host_room(%s)\n' files 'plan files' 'rig files' 'motions rig plan files' >>"$tree/host_tools/CMakeLists.txt"
   printf '// A file of the tree.\n%s\nint x;\n' "$2" >"$tree/$1"
   bash "$check" "$tree" 2>&1
 }
@@ -58,6 +59,9 @@ refuses 'in quotes' firmware_core/src/path/path.cpp '#include <inbetween/path/pa
 refuses 'must name its file' firmware_core/src/path/path.cpp '#include PATH_HEADER'
 
 # Rooms.
+refuses 'host_tools/plan computes, and may not look into sim' host_tools/plan/plan.cpp '#include "sim/axis.hpp"'
+refuses 'host_tools/plan computes, and may not look into drivers' host_tools/plan/plan.hpp '#include "drivers/can/a.hpp"'
+allows host_tools/rig/rig.cpp '#include "sim/axis.hpp"'
 refuses 'firmware_core/path may not look into firmware_core/timing' "$core" '#include "inbetween/timing/track.hpp"'
 refuses 'firmware_core/base may not look into firmware_core/path' firmware_core/src/base/cube_root.hpp \
   '#include "path/private.hpp"'
