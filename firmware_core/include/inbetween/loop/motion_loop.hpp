@@ -27,8 +27,10 @@ struct LoopSpec {
   std::span<const std::size_t> drive_of;  ///< for every axis of the move
   std::span<const AxisLimits> limits;     ///< for every axis of the move
   double tick_seconds = 1.0 / 250;
-  /// A playhead of its own for some of the axes, on the same move and stop bounds, and which of all they are;
-  /// without it `is_still` is empty. The loop plays and stops both.
+  /// Some axes may rest while a frame is shot in motion: the focus, say, while the slide passes it. They have
+  /// a playhead of their own, on the same move and stop bounds, which goes on from frame to frame between the
+  /// exposures; `is_still` says which of all axes they are, and is empty without it. The loop plays and stops
+  /// both playheads.
   Playhead* still = nullptr;
   std::span<const bool> is_still = {};
   /// The size of a count of the drive in axis units, for every axis of the move: two positions that are no
