@@ -1,5 +1,6 @@
 #include "host_tools/loop/transport_keys.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 namespace inbetween {
@@ -56,9 +57,13 @@ std::optional<TransportKey> key_of(char byte) {
   }
 }
 
+/// A mouse as terminals without SGR report it: three more bytes, which would be keys elsewhere.
+constexpr std::string_view old_mouse = "\x1b[M";
+
 /// The length of a control sequence (ECMA-48: parameters, then a letter or ~) or of one of SS3, with which
 /// the text begins; 0 where it begins with none.
 std::size_t sequence_length(std::string_view bytes) {
+  if (bytes.starts_with(old_mouse)) return std::min(bytes.size(), old_mouse.size() + 3);
   if (bytes.size() < 3 || bytes[0] != escape) return 0;
   if (bytes[1] == 'O') return 3;
   if (bytes[1] != '[') return 0;
@@ -158,10 +163,10 @@ std::optional<TransportKey> key_of_sequence(std::string_view numbers, char lette
 void TransportKeys::feed(std::string_view bytes) {
   while (!bytes.empty()) {
     if (const std::size_t length = sequence_length(bytes); length > 0) {
-      if (const std::optional<TransportKey> key =
-              key_of_sequence(bytes.substr(2, length - 3), bytes[length - 1])) {
-        keys_.push_back(*key);
-      }
+      const std::optional<TransportKey> key =
+          bytes.starts_with(old_mouse) ? std::nullopt
+                                       : key_of_sequence(bytes.substr(2, length - 3), bytes[length - 1]);
+      if (key) keys_.push_back(*key);
       bytes.remove_prefix(length);
       continue;
     }

@@ -61,6 +61,7 @@ TEST(TransportKeys, ReadWhatATerminalSends) {
                           TransportKey::digit_9, TransportKey::erase));
   EXPECT_THAT(keys_of("xyz\x1b[<0;10;5M\x1b[<0;10;5m\x1b[F\x1b[15~\x1b[1;5C\x1b[5~\xff"), IsEmpty())
       << "other keys do nothing";
+  EXPECT_THAT(keys_of("\x1b[M`+q\x1b[M#Q\xE0\x1b[M g"), IsEmpty()) << "nor does a mouse of before SGR";
 }
 
 // Kitty's keyboard protocol, with Num Lock on (129) and off, and the keys of a US keyboard and its keypad.
