@@ -26,7 +26,7 @@ KeyTerminal::~KeyTerminal() {
   tcsetattr(STDIN_FILENO, TCSANOW, &before_);
 }
 
-// As much as a terminal keeps (N_TTY_BUF_SIZE), so that no control sequence is read in two pieces.
+// A read takes as much as a terminal keeps (N_TTY_BUF_SIZE): no control sequence comes in two pieces.
 std::string KeyTerminal::read() {
   std::array<char, 4096> bytes;
   const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());

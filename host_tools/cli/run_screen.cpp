@@ -72,7 +72,7 @@ class RunScreen::Curses {
     static_cast<void>(!::write(STDERR_FILENO, sequence.data(), sequence.size()));
   }
 
-  /// Once the screen is there, and until it is left: each screen of a terminal has a keyboard of its own
+  /// Asks once the screen is there, and until it is left: each screen of a terminal has a keyboard of its own
   /// (https://sw.kovidgoyal.net/kitty/keyboard-protocol, its progressive enhancement 2). A terminal that
   /// tells when a key is let go answers CSI ? FLAGS u among the keys; others ignore it.
   void ask_for_reports() {

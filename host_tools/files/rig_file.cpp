@@ -238,7 +238,7 @@ bool is_by_drive(const TomlValue& home) {
   return by != nullptr && TomlValue(*by, "by").choice({"switch", "drive"}) == 1;
 }
 
-/// Of a home by a switch or by the drive.
+/// Reads park of a home, by a switch or by the drive.
 std::optional<double> read_park(const TomlValue& home, const RigAxis& axis) {
   const toml::node* node = home.table().get("park");
   if (node == nullptr) return std::nullopt;

@@ -46,7 +46,7 @@ class KeyHold {
   [[nodiscard]] std::int64_t pressed_ns() const { return pressed_ns_; }
   /// The direction of a key that is held; 0 for none.
   int held(std::int64_t now_ns);
-  /// What comes moves nothing until there was silence, or a press.
+  /// A key that comes moves nothing until there was silence, or a press.
   [[nodiscard]] bool is_refused() const { return is_refused_; }
 
  private:

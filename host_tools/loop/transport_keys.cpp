@@ -93,7 +93,7 @@ int number_at(std::string_view text, int otherwise) {
   return number;
 }
 
-/// What stands behind the first of these letters; "" where there is none.
+/// Gives what stands behind the first of these letters; "" where there is none.
 std::string_view behind(std::string_view text, char letter) {
   const std::size_t at = text.find(letter);
   return at == std::string_view::npos ? std::string_view() : text.substr(at + 1);
@@ -130,7 +130,7 @@ std::optional<TransportKey> key_of_code(const KeyNumbers& key) {
   return key.code == escape ? TransportKey::stop : key_of(static_cast<char>(key.code));
 }
 
-/// What stands between the beginning of a control sequence and its last letter, and that letter.
+/// Takes what stands between the beginning of a control sequence and its last letter, and that letter.
 std::optional<TransportKey> key_of_sequence(std::string_view numbers, char letter) {
   if (letter == 'u' && numbers.starts_with('?')) {
     constexpr int event_types = 2;
