@@ -14,6 +14,10 @@ inline constexpr double key_silence_s = 0.15;
 inline constexpr double min_key_repeat_s = 0.01;
 inline constexpr double max_key_repeat_s = 0.12;
 
+/// What an operator is told of keys that are refused (KeyHold::is_refused).
+inline constexpr const char* refused_keys_in_words =
+    "two keys at once, or late ones: let go, and press again";
+
 /// Most terminals send a key that is held again and again, 11 to 30 times a second after a delay, and do not
 /// tell when it is let go: there it counts as held once two repeats came at the rate of a keyboard, and as
 /// let go key_silence_s after the last one. Terminals with kitty's keyboard protocol (its progressive

@@ -160,6 +160,23 @@ std::optional<TransportKey> key_of_sequence(std::string_view numbers, char lette
 
 }  // namespace
 
+int direction_of(TransportKey key) {
+  switch (key) {
+    case TransportKey::step_forward:
+    case TransportKey::repeat_forward:
+    case TransportKey::hold_forward:
+    case TransportKey::detent_forward:
+      return 1;
+    case TransportKey::step_backward:
+    case TransportKey::repeat_backward:
+    case TransportKey::hold_backward:
+    case TransportKey::detent_backward:
+      return -1;
+    default:
+      return 0;
+  }
+}
+
 void TransportKeys::feed(std::string_view bytes) {
   while (!bytes.empty()) {
     if (const std::size_t length = sequence_length(bytes); length > 0) {

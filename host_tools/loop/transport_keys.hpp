@@ -53,6 +53,9 @@ enum class TransportKey {
   refused,         ///< what would begin something, after the rig file was changed
 };
 
+/// 1 for an arrow or a detent that goes forward, however it is told, -1 for backward, 0 for any other key.
+int direction_of(TransportKey key);
+
 /// From the bytes that a terminal sends, also by kitty's keyboard protocol, which tells of right, left, + and
 /// - when they are repeated and let go, and xterm's reports of a wheel (RunScreen asks for both). Other keys
 /// are ignored. An Esc that begins no arrow key is a stop: what follows it in the same read decides (a

@@ -104,19 +104,15 @@ void Jog::press(TransportKey key) {
   if (!keys_.is_running()) return;
   switch (key) {
     case TransportKey::repeat_forward:
-      terminal_.repeat(1, now_ns_);
-      return pressed(0);
     case TransportKey::repeat_backward:
-      terminal_.repeat(-1, now_ns_);
+      terminal_.repeat(direction_of(key), now_ns_);
       return pressed(0);
     case TransportKey::hold_forward:
-      return hold(1);
     case TransportKey::hold_backward:
-      return hold(-1);
+      return hold(direction_of(key));
     case TransportKey::detent_forward:
-      return turned(1);
     case TransportKey::detent_backward:
-      return turned(-1);
+      return turned(direction_of(key));
     case TransportKey::step_forward:
     case TransportKey::faster:
       return pressed(1);
@@ -149,7 +145,7 @@ void Jog::press(TransportKey key) {
 void Jog::pressed(int direction) {
   if (wanted_.device) return keys_.say("the keys of the device move it");
   if (direction != 0) terminal_.press(direction, now_ns_);
-  if (terminal_.is_refused()) keys_.say("two keys at once, or late ones: let go, and press again");
+  if (terminal_.is_refused()) keys_.say(refused_keys_in_words);
 }
 
 void Jog::turned(int direction) {

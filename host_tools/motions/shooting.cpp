@@ -75,6 +75,7 @@ void Shooting::press(TransportKey key) {
     place->is_key ? keys_.say("frames are shot: g goes to one") : look_at(place->number);
   }
   if (is_of_entry || keys_.press(key)) return;
+  if (const int direction = direction_of(key); direction != 0) return look_at(shoot_.frame() + direction);
   switch (key) {
     case TransportKey::pause:
       keys_.say(shoot_.trigger());
@@ -91,16 +92,6 @@ void Shooting::press(TransportKey key) {
       keys_.say(begin());
       if (keys_.is_running()) keys_.begun();
       return;
-    case TransportKey::step_forward:
-    case TransportKey::repeat_forward:
-    case TransportKey::hold_forward:
-    case TransportKey::detent_forward:
-      return look_at(shoot_.frame() + 1);
-    case TransportKey::step_backward:
-    case TransportKey::repeat_backward:
-    case TransportKey::hold_backward:
-    case TransportKey::detent_backward:
-      return look_at(shoot_.frame() - 1);
     case TransportKey::tells_releases:
     case TransportKey::still_held:
     case TransportKey::let_go:

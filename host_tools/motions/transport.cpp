@@ -271,28 +271,27 @@ void Transport::go_nowhere() {
 
 /// Arrows of a terminal, those of a device that are held, and a wheel. Whether the key was one of them.
 bool Transport::press_arrow(TransportKey key) {
+  const int direction = direction_of(key);
   switch (key) {
     case TransportKey::tells_releases:
       arrow_.tells_releases();
       return true;
     case TransportKey::step_forward:
-    case TransportKey::step_backward: {
-      const bool is_forward = key == TransportKey::step_forward;
-      arrow_.press(is_forward ? 1 : -1, now_ns_);
+    case TransportKey::step_backward:
+      arrow_.press(direction, now_ns_);
       if (arrow_.is_refused()) {
-        keys_.say("two keys at once, or late ones: let go, and press again");
+        keys_.say(refused_keys_in_words);
       } else if (arrow_.held(now_ns_) == 0) {
-        step(is_forward ? Direction::forward : Direction::backward);
+        step(static_cast<Direction>(direction));
       }
       return true;
-    }
     case TransportKey::repeat_forward:
     case TransportKey::repeat_backward:
-      arrow_.repeat(key == TransportKey::repeat_forward ? 1 : -1, now_ns_);
+      arrow_.repeat(direction, now_ns_);
       return true;
     case TransportKey::hold_forward:
     case TransportKey::hold_backward:
-      arrow_.hold(key == TransportKey::hold_forward ? 1 : -1, now_ns_);
+      arrow_.hold(direction, now_ns_);
       return true;
     case TransportKey::still_held:
       arrow_.hear(now_ns_);
@@ -306,7 +305,7 @@ bool Transport::press_arrow(TransportKey key) {
       return true;
     case TransportKey::detent_forward:
     case TransportKey::detent_backward:
-      if (!scrubs_) step(key == TransportKey::detent_forward ? Direction::forward : Direction::backward);
+      if (!scrubs_) step(static_cast<Direction>(direction));
       return true;
     default:
       return false;

@@ -32,10 +32,10 @@ struct Desk {
         return arrow.tells_releases();
       case TransportKey::step_forward:
       case TransportKey::step_backward:
-        return arrow.press(key == TransportKey::step_forward ? 1 : -1, now_ns);
+        return arrow.press(direction_of(key), now_ns);
       case TransportKey::repeat_forward:
       case TransportKey::repeat_backward:
-        return arrow.repeat(key == TransportKey::repeat_forward ? 1 : -1, now_ns);
+        return arrow.repeat(direction_of(key), now_ns);
       case TransportKey::let_go:
         arrow.release();
         fuzz_require(arrow.held(now_ns) == 0, "what is let go is not held");
