@@ -26,7 +26,7 @@
 #include "host_tools/edit/kept_address.hpp"
 #include "host_tools/edit/launch_page.hpp"
 #include "host_tools/edit/page_files.hpp"
-#include "host_tools/files/state_folder.hpp"
+#include "host_tools/text/state_folder.hpp"
 
 namespace inbetween {
 namespace {

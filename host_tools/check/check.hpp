@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/plan/bounded_move.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/limits/stop_bounds.hpp"
 
 namespace inbetween {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "host_tools/check/checked_peaks.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/frame_range.hpp"
 #include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_output.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/frame_range.hpp"
 
 namespace inbetween {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
-#include "host_tools/files/json_writer.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/can/cia402_port.hpp"
 #include "inbetween/limits/roll.hpp"

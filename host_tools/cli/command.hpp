@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "host_tools/cli/command_line.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

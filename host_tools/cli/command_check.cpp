@@ -14,16 +14,16 @@
 #include "host_tools/check/check_plot.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/progress_bar.hpp"
-#include "host_tools/files/output_file.hpp"
-#include "host_tools/files/speed_rewrite.hpp"
-#include "host_tools/files/toml_source.hpp"
 #include "host_tools/fit/cure.hpp"
 #include "host_tools/fit/fewer_values.hpp"
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/fit_output.hpp"
 #include "host_tools/fit/fit_plot.hpp"
 #include "host_tools/fit/speed_fit.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
 #include "host_tools/plot/plot_limits.hpp"
+#include "host_tools/text/output_file.hpp"
+#include "host_tools/text/toml_source.hpp"
 
 namespace inbetween {
 namespace {

@@ -11,8 +11,8 @@
 #include "host_tools/doctor/bus_checks.hpp"
 #include "host_tools/doctor/doctor.hpp"
 #include "host_tools/doctor/machine_checks.hpp"
-#include "host_tools/files/output_file.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
+#include "host_tools/text/output_file.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {

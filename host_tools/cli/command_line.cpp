@@ -19,10 +19,10 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/cli/command.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/output_file.hpp"
-#include "host_tools/files/spelling.hpp"
 #include "host_tools/loop/rig_session.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/output_file.hpp"
+#include "host_tools/text/spelling.hpp"
 
 namespace inbetween {
 namespace {

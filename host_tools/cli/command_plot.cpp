@@ -7,8 +7,8 @@
 
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/run_picture.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/output_file.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/output_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -20,12 +20,12 @@
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/cli/shoot_arguments.hpp"
-#include "host_tools/files/fault_script.hpp"
-#include "host_tools/files/output_file.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/turns.hpp"
+#include "host_tools/rig/fault_script.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "host_tools/text/output_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "host_tools/cli/command.hpp"
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

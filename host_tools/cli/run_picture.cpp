@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/csv_table.hpp"
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/csv_table.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/plot/plot_run.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "host_tools/cli/progress_bar.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/loop/run_snapshot.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <numeric>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/output_file.hpp"
 #include "host_tools/reference/axis_positions.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/output_file.hpp"
 
 namespace inbetween {
 namespace {

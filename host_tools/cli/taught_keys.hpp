@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
-#include "host_tools/files/taught_move.hpp"
 #include "host_tools/loop/transport_keys.hpp"
+#include "host_tools/move_model/taught_move.hpp"
 #include "host_tools/reference/rig_reference.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

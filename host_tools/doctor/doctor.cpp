@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "host_tools/doctor/bus_checks.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/json_writer.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/step_drives.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 namespace {

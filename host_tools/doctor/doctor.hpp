@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "host_tools/doctor/finding.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/loop/wake_latency.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

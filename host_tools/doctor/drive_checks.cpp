@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "host_tools/doctor/doctor.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 #include "inbetween/can/bus_port.hpp"
 
 namespace inbetween {

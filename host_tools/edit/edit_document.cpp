@@ -7,11 +7,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "host_tools/files/json_writer.hpp"
-#include "host_tools/files/move_rewrite.hpp"
-#include "host_tools/files/rig_motors.hpp"
+#include "host_tools/move_model/move_rewrite.hpp"
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/plan_rows.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 namespace {

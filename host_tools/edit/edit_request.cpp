@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 
 namespace inbetween {
 namespace {

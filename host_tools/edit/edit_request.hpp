@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "host_tools/files/move_rewrite.hpp"
-#include "host_tools/files/toml_source.hpp"
 #include "host_tools/fit/motion_fit.hpp"
+#include "host_tools/move_model/move_rewrite.hpp"
+#include "host_tools/text/toml_source.hpp"
 
 namespace inbetween {
 

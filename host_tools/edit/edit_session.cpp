@@ -11,10 +11,10 @@
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
 #include "host_tools/edit/edit_document.hpp"
-#include "host_tools/files/speed_rewrite.hpp"
-#include "host_tools/files/toml_source.hpp"
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/speed_fit.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
+#include "host_tools/text/toml_source.hpp"
 #include "inbetween/base/hash.hpp"
 
 namespace inbetween {

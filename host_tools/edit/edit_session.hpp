@@ -7,8 +7,8 @@
 
 #include "host_tools/edit/edit_request.hpp"
 #include "host_tools/edit/edited_rig.hpp"
-#include "host_tools/files/file_layer.hpp"
 #include "host_tools/plan/plan.hpp"
+#include "host_tools/text/file_layer.hpp"
 
 namespace inbetween {
 

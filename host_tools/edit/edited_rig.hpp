@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

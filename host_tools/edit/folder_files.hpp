@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host_tools/files/file_layer.hpp"
+#include "host_tools/text/file_layer.hpp"
 
 namespace inbetween {
 

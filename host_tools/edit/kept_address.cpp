@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "host_tools/edit/edit_session.hpp"
-#include "host_tools/files/file_layer.hpp"
-#include "host_tools/files/state_folder.hpp"
+#include "host_tools/text/file_layer.hpp"
+#include "host_tools/text/state_folder.hpp"
 
 namespace inbetween {
 namespace {

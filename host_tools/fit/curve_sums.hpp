@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_tools/fit/control_curve.hpp"
-#include "host_tools/plan/band_program.hpp"
+#include "host_tools/numerics/band_program.hpp"
 
 namespace inbetween {
 

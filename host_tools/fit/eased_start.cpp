@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/fit/control_curve.hpp"
 #include "host_tools/fit/fewest_frames.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

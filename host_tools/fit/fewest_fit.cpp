@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/speed_rewrite.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
 
 namespace inbetween {
 namespace {

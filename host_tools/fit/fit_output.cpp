@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

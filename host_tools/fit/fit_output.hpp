@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <string>
 
-#include "host_tools/files/json_writer.hpp"
 #include "host_tools/fit/speed_fit.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "host_tools/fit/normal_equations.hpp"
+#include "host_tools/numerics/cholesky.hpp"
 
 namespace inbetween {
 namespace {

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/fit/control_curve.hpp"
 #include "host_tools/fit/path_turns.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/timing/track.hpp"
 
 namespace inbetween {

@@ -13,12 +13,12 @@
 #include <string_view>
 #include <utility>
 
-#include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/fit/eased_start.hpp"
 #include "host_tools/fit/fitted_track.hpp"
 #include "host_tools/fit/lock_reach.hpp"
 #include "host_tools/fit/speed_descent.hpp"
 #include "host_tools/fit/speed_start.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
 
 namespace inbetween {
 namespace {

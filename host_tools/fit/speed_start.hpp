@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/timing/track.hpp"
 
 namespace inbetween {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 
 namespace inbetween {
 namespace {

@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-#include "host_tools/files/move_unit.hpp"
+#include "host_tools/rig_model/move_unit.hpp"
 
 namespace inbetween {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/urdf_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/joints/joint_tree.hpp"
 
 namespace inbetween {

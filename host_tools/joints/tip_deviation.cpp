@@ -7,6 +7,7 @@
 
 #include "host_tools/joints/branch.hpp"
 #include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 
 namespace inbetween {
 namespace {

@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "host_tools/joints/branch.hpp"
-#include "host_tools/joints/symmetric_matrix.hpp"
 #include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
+#include "host_tools/numerics/symmetric_matrix.hpp"
 #include "inbetween/joints/angle_of.hpp"
 
 namespace inbetween {

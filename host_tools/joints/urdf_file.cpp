@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "host_tools/files/toml_source.hpp"
 #include "host_tools/joints/xml_element.hpp"
+#include "host_tools/text/toml_source.hpp"
 
 namespace inbetween {
 namespace {

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "host_tools/files/spelling.hpp"
+#include "host_tools/text/spelling.hpp"
 
 namespace inbetween {
 namespace {

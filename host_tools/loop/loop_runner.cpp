@@ -6,7 +6,7 @@
 #include <cmath>
 #include <exception>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {

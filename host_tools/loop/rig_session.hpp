@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/fault_script.hpp"
 #include "host_tools/loop/loop_runner.hpp"
 #include "host_tools/loop/loop_storage.hpp"
 #include "host_tools/loop/run_loop.hpp"
 #include "host_tools/loop/run_record.hpp"
 #include "host_tools/reference/rig_reference.hpp"
+#include "host_tools/rig/fault_script.hpp"
 
 namespace inbetween {
 

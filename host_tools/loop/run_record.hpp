@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "host_tools/files/loop_log.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/loop/run_loop.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/loop_log.hpp"
 
 namespace inbetween {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/loop/supervisor.hpp"
 #include "inbetween/play/frame_shoot.hpp"
 

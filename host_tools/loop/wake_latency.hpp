@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_tools/files/json_writer.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 

@@ -8,11 +8,11 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/lone_axis.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/reference/rig_reference.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

@@ -1,7 +1,7 @@
 #include "host_tools/motions/free_axes.hpp"
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/play/free_axis.hpp"
 #include "inbetween/play/free_source.hpp"
 

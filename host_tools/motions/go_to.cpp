@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "host_tools/check/check.hpp"
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/jog.hpp"
 #include "host_tools/motions/lone_axis.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

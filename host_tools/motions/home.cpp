@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/loop/jitter.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/drive_home.hpp"
@@ -14,6 +12,8 @@
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

@@ -7,12 +7,12 @@
 #include <numeric>
 #include <utility>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/motions/lone_axis.hpp"
 #include "host_tools/motions/slow_way.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/motions/free_axes.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/base/setpoint.hpp"
 #include "inbetween/homing/homing.hpp"
 #include "inbetween/homing/line_event.hpp"

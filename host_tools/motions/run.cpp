@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/frame_range.hpp"
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
 #include "host_tools/motions/shoot_checks.hpp"
@@ -21,6 +19,8 @@
 #include "host_tools/plan/key_frames.hpp"
 #include "host_tools/rig/cue_outputs.hpp"
 #include "host_tools/rig/rig_watch.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/frame_range.hpp"
 
 namespace inbetween {
 namespace {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "host_tools/check/check.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/reference/axis_positions.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 
 namespace inbetween {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "host_tools/files/json_writer.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 namespace {

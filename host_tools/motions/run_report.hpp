@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/loop_log.hpp"
 #include "host_tools/loop/wake_latency.hpp"
 #include "host_tools/motions/shoot_count.hpp"
 #include "host_tools/rig/counters.hpp"
+#include "host_tools/text/loop_log.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
 namespace inbetween {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/loop_log.hpp"
+#include "host_tools/text/loop_log.hpp"
 
 namespace inbetween {
 

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/frame_range.hpp"
 #include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/operator_keys.hpp"
 #include "host_tools/motions/place_entry.hpp"
@@ -15,6 +14,7 @@
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/rig/cue_outputs.hpp"
+#include "host_tools/text/frame_range.hpp"
 #include "inbetween/play/frame_shoot.hpp"
 #include "sim/simulated_camera.hpp"
 

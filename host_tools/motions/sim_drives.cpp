@@ -15,11 +15,11 @@
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/fault_schedule.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "sim/simulated_can_drive.hpp"
 
 namespace inbetween {

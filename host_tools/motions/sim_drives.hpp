@@ -6,8 +6,8 @@
 #include <map>
 #include <string>
 
-#include "host_tools/files/fault_script.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig/fault_script.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

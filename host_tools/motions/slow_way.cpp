@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/motions/free_axes.hpp"
 #include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

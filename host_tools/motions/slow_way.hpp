@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/loop/motion_loop.hpp"
 #include "inbetween/play/free_axis.hpp"

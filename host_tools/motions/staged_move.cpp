@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "host_tools/check/check.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/plan/move_rolls.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 
 namespace inbetween {
 namespace {

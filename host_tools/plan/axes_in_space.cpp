@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 #include "host_tools/plan/frame_of_distance.hpp"
 
 namespace inbetween {

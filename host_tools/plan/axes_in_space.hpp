@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/joints/tip_solver.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/followed_path.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/timing/track.hpp"
 
 namespace inbetween {

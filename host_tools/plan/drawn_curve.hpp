@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "inbetween/timing/speed_profile.hpp"
 
 namespace inbetween {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 #include "host_tools/plan/cubic_part.hpp"
 #include "host_tools/plan/row_spline.hpp"
 

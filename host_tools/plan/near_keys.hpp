@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 
 namespace inbetween {
 

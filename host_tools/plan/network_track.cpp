@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

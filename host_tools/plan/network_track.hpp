@@ -1,7 +1,7 @@
 // The network of a track: its drawn curves, its keys, and what is wrong with them in the words of its file.
 #pragma once
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/network.hpp"
 #include "host_tools/plan/solved_track.hpp"
 

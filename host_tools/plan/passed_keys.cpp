@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 #include "host_tools/plan/plan_rows.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

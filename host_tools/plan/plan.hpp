@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/frame_range.hpp"
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/followed_path.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/plan/near_keys.hpp"
 #include "host_tools/plan/plan_motion.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "host_tools/plan/space_track.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/frame_range.hpp"
 
 namespace inbetween {
 

@@ -11,11 +11,11 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/csv_field.hpp"
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/json_writer.hpp"
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/passed_keys.hpp"
+#include "host_tools/text/csv_field.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/json_writer.hpp"
 #include "inbetween/base/hash.hpp"
 #include "inbetween/timing/frame_time.hpp"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 
 namespace inbetween {
 

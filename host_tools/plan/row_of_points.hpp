@@ -1,11 +1,11 @@
 // Networks whose row is of points in space: each point is the place of a tip, and the joints follow.
 #pragma once
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "host_tools/plan/tracked_aim.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

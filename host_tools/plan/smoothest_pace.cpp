@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numeric>
 
-#include "host_tools/plan/band_matrix.hpp"
+#include "host_tools/numerics/band_matrix.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "inbetween/timing/integral_row.hpp"
 #include "inbetween/timing/speed_profile.hpp"

@@ -10,6 +10,7 @@
 
 #include "host_tools/joints/tip_deviation.hpp"
 #include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 #include "host_tools/plan/frame_of_distance.hpp"
 #include "host_tools/plan/row_spline.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "host_tools/joints/vector_length.hpp"
+#include "host_tools/numerics/hypotenuse.hpp"
 #include "inbetween/path/standstills.hpp"
 
 namespace inbetween {

@@ -8,14 +8,14 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/frame_range.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 #include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
 #include "host_tools/plot/plot_time.hpp"
 #include "host_tools/plot/plot_tips.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/frame_range.hpp"
 
 namespace inbetween {
 namespace {

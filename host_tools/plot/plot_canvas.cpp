@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "host_tools/files/output_file.hpp"
 #include "host_tools/plot/drawing_library.hpp"
+#include "host_tools/text/output_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/frame_range.hpp"
 #include "host_tools/plot/plot_line.hpp"
 #include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_scale.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/frame_range.hpp"
 
 namespace inbetween {
 namespace {

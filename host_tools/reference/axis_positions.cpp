@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

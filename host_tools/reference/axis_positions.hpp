@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

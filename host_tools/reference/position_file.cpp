@@ -13,9 +13,9 @@
 #include <utility>
 #include <variant>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
-#include "host_tools/files/state_folder.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/state_folder.hpp"
 #include "inbetween/base/hash.hpp"
 
 namespace inbetween {

@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "drivers/linux/instance_lock.hpp"
-#include "host_tools/files/file_layer.hpp"
-#include "host_tools/files/position_text.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/reference/position_text.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/file_layer.hpp"
 
 namespace inbetween {
 

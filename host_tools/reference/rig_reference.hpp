@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/file_layer.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/reference/position_file.hpp"
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/file_layer.hpp"
 #include "inbetween/loop/ports.hpp"
 
 namespace inbetween {

@@ -17,11 +17,11 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/bus_port.hpp"
 
 namespace inbetween {

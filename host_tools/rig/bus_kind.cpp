@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "drivers/can/socket_can.hpp"
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/bus_load.hpp"
 
 namespace inbetween {

@@ -6,12 +6,12 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/cia402_kind.hpp"
 #include "host_tools/rig/cubemars_kind.hpp"
 #include "host_tools/rig/moteus_kind.hpp"
 #include "host_tools/rig/odrive_kind.hpp"
 #include "host_tools/rig/rmd_kind.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/loop/axis_watch.hpp"
 
 namespace inbetween {

@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/eds_drive.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/pdo.hpp"

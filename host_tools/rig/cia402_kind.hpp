@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "drivers/can/socket_can.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/bus_share.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/can/cia402_bus.hpp"
 #include "sim/cia402_drive.hpp"
 

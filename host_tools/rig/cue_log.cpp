@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "host_tools/files/csv_field.hpp"
+#include "host_tools/text/csv_field.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {

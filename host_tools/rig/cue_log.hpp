@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/loop_log.hpp"
-#include "host_tools/files/move_cue.hpp"
+#include "host_tools/move_model/move_cue.hpp"
 #include "host_tools/rig/awaited_pulses.hpp"
+#include "host_tools/text/loop_log.hpp"
 
 namespace inbetween {
 

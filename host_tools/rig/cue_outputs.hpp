@@ -10,14 +10,14 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/move_cue.hpp"
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/move_model/move_cue.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/rig/awaited_pulses.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/cue_log.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "host_tools/rig/step_drives.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/loop/tick_chain.hpp"
 #include "inbetween/steps/cue_timer.hpp"
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/cia402_kind.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 #include "inbetween/can/cia402_bus.hpp"
 #include "inbetween/can/pdo.hpp"
 #include "inbetween/loop/tick_time.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/eds_file.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/eds_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/can/canopen_id.hpp"
 #include "sim/object_dictionary.hpp"
 

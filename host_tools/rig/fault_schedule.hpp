@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/fault_script.hpp"
+#include "host_tools/rig/fault_script.hpp"
 #include "sim/simulated_can_drive.hpp"
 
 namespace inbetween {

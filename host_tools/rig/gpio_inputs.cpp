@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "drivers/linux/emergency_signal.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/homing/homing.hpp"
 #include "inbetween/homing/line_event.hpp"
 #include "inbetween/homing/switch_input.hpp"

@@ -9,8 +9,8 @@
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/linux/instance_lock.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 
 namespace inbetween {
 

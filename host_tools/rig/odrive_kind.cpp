@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/servo_kind.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "sim/odrive_drive.hpp"
 

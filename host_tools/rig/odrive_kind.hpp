@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "drivers/can/socket_can.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/bus_share.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/can/odrive.hpp"
 #include "inbetween/can/servo_bus.hpp"
 #include "sim/simulated_can_drive.hpp"

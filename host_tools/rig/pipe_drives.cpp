@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "drivers/linux/line_pipe.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 namespace inbetween {
 

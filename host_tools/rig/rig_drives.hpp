@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/bus_kind.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "host_tools/rig/step_drives.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 
 namespace inbetween {
 

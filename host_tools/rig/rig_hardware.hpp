@@ -15,9 +15,9 @@
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/gpio/step_player.hpp"
-#include "host_tools/files/loop_log.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/counters.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/loop_log.hpp"
 #include "inbetween/can/cia402_homing.hpp"
 #include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/frame.hpp"

@@ -1,6 +1,6 @@
 #include "host_tools/rig/rig_watch.hpp"
 
-#include "host_tools/files/toml_source.hpp"
+#include "host_tools/text/toml_source.hpp"
 
 namespace inbetween {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/servo_kind.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/loop/tick_time.hpp"
 #include "sim/rmd_drive.hpp"

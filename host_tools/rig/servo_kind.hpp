@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/can/servo_drive.hpp"
 
 namespace inbetween {

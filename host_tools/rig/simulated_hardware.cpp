@@ -7,8 +7,8 @@
 #include <type_traits>
 #include <utility>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/bus_kind.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "sim/simulated_link.hpp"
 #include "sim/simulated_rig.hpp"
 

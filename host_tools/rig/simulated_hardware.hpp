@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/fault_script.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/rig/fault_schedule.hpp"
+#include "host_tools/rig/fault_script.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
 #include "host_tools/rig/step_log.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 #include "sim/can_bus.hpp"
 #include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_inputs.hpp"

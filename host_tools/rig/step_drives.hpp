@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/counters.hpp"
 #include "host_tools/rig/rig_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/steps/step_port.hpp"
 
 namespace inbetween {

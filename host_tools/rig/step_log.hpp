@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/loop_log.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/loop_log.hpp"
 
 namespace inbetween {
 

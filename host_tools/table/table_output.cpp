@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <span>
 
-#include "host_tools/files/json_writer.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {
 namespace {

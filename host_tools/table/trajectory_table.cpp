@@ -10,8 +10,8 @@
 #include <variant>
 
 #include "host_tools/check/planned_stops.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/plan/plan_output.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 #include "inbetween/limits/roll_trajectory.hpp"
 
 namespace inbetween {

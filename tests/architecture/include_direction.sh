@@ -37,7 +37,7 @@ BEGIN {
 # Reads the line "set(pure_rooms ROOM...)".
 function read_pure_rooms(    line, names, i) {
   while ((getline line < "host_tools/CMakeLists.txt") > 0) {
-    if (line !~ /^set\(pure_rooms [a-z ]+\)$/) continue
+    if (line !~ /^set\(pure_rooms [a-z_ ]+\)$/) continue
     gsub(/^set\(pure_rooms |\)$/, "", line)
     split(line, names, " ")
     for (i in names) pure["host_tools/" names[i]] = 1
@@ -48,7 +48,7 @@ function read_pure_rooms(    line, names, i) {
 # Reads the lines "add_core_room(ROOM ROOM...)" and "add_host_room(ROOM ROOM...)".
 function read_rooms(folder,    line, room) {
   while ((getline line < (folder "/CMakeLists.txt")) > 0) {
-    if (line !~ /^add_(core|host)_room\([a-z ]+\)$/) continue
+    if (line !~ /^add_(core|host)_room\([a-z_ ]+\)$/) continue
     gsub(/^[^(]*\(|\)$/, "", line)
     room = line
     sub(/ .*/, "", room)

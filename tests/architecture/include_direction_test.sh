@@ -15,7 +15,7 @@ verdict_on() { # verdict_on FILE LINE
   printf 'int of_path_alone;\n' >"$tree/firmware_core/src/path/private.hpp"
   printf 'add_core_room(%s)\n' base 'path base' 'timing path base' >"$tree/firmware_core/CMakeLists.txt"
   printf 'set(pure_rooms plan fit)\n' >"$tree/host_tools/CMakeLists.txt"
-  printf 'add_host_room(%s)\n' files 'plan files' 'rig files' 'motions rig plan files' >>"$tree/host_tools/CMakeLists.txt"
+  printf 'add_host_room(%s)\n' move_model 'plan move_model' 'rig move_model' 'motions rig plan move_model' >>"$tree/host_tools/CMakeLists.txt"
   printf '// A file of the tree.\n%s\nint x;\n' "$2" >"$tree/$1"
   bash "$check" "$tree" 2>&1
 }
@@ -68,9 +68,9 @@ refuses 'firmware_core/base may not look into firmware_core/path' firmware_core/
 refuses 'firmware_core/path may not look into inbetween/path.hpp' "$core" '#include "inbetween/path.hpp"'
 refuses 'firmware_core/attic is not in its CMakeLists.txt' firmware_core/include/inbetween/attic/old.hpp \
   '#include "inbetween/base/result.hpp"'
-allows host_tools/plan/plan.cpp '#include "host_tools/files/move_file.hpp"'
+allows host_tools/plan/plan.cpp '#include "host_tools/move_model/move_file.hpp"'
 allows host_tools/main.cpp '#include "host_tools/cli/command_line.hpp"'
-refuses 'host_tools/files may not look into host_tools/plan' host_tools/files/move_file.cpp \
+refuses 'host_tools/move_model may not look into host_tools/plan' host_tools/move_model/move_file.cpp \
   '#include "host_tools/plan/plan.hpp"'
 refuses 'host_tools/rig may not look into host_tools/plan' host_tools/rig/rig_drives.hpp \
   '#include "host_tools/plan/plan.hpp"'
@@ -79,7 +79,7 @@ allows drivers/linux/clock.cpp '#include <time.h>'
 allows drivers/linux/clock.cpp '#include "inbetween/loop/ports.hpp"'
 allows drivers/linux/clock.cpp '#include "drivers/linux/clock.hpp"'
 refuses 'drivers may not look into sim' drivers/linux/clock.cpp '#include "sim/clock.hpp"'
-refuses 'drivers may not look into host_tools' drivers/can/bus.cpp '#include "host_tools/files/rig_file.hpp"'
+refuses 'drivers may not look into host_tools' drivers/can/bus.cpp '#include "host_tools/rig_model/rig_file.hpp"'
 allows sim/axis.cpp '#include "sim/axis.hpp"'
 refuses 'sim may not look into drivers' sim/axis.cpp '#include "drivers/linux/clock.hpp"'
 refuses 'sim may not look into tests' sim/axis.cpp '#include "tests/support/moves.hpp"'

@@ -17,7 +17,7 @@ rooms_of() {
   local folder=$1 macro=$2 readmes=$3
   shift 3
   local lines line room seen readme said
-  lines=$(sed -nE "s/^$macro\(([a-z ]+)\)\$/\1/p" "$folder/CMakeLists.txt")
+  lines=$(sed -nE "s/^$macro\(([a-z_ ]+)\)\$/\1/p" "$folder/CMakeLists.txt")
   [[ -n $lines ]] || fail "$folder/CMakeLists.txt" "no line $macro(ROOM ...)"
   [[ -f $folder/README.md ]] || fail "$folder/README.md" 'there is none; say what the rooms are for'
   while read -r room seen; do

@@ -8,7 +8,7 @@ project=$1
 folder=$(mktemp --directory)
 trap 'rm --recursive --force "$folder"' EXIT
 
-for room in firmware_core/src/path drivers sim host_tools/files; do
+for room in firmware_core/src/path drivers sim host_tools/text; do
   mkdir --parents "$folder/$room"
   printf 'int* nowhere() {\n  return 0;\n}\n' >"$folder/$room/wrong.cpp"
   printf '#include "%s"  // NOLINT\n' "$folder/$room/wrong.cpp" >"$folder/batch.cpp"

@@ -11,8 +11,8 @@
 #include <string>
 
 #include "host_tools/check/check.hpp"
-#include "host_tools/files/move_file.hpp"
 #include "host_tools/motions/run.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/random_files.hpp"

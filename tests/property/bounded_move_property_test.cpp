@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/bounded_move.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "tests/support/property.hpp"

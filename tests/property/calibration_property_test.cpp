@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host_tools/check/planned_stops.hpp"
-#include "host_tools/files/rig_motors.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 #include "inbetween/limits/calibration.hpp"
 #include "tests/support/fitting_move.hpp"
 #include "tests/support/oracle_gear.hpp"

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/speed_rewrite.hpp"
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
 #include "tests/support/property.hpp"
 
 namespace inbetween {

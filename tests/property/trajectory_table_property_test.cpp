@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host_tools/check/planned_stops.hpp"
-#include "host_tools/files/output_file.hpp"
 #include "host_tools/table/table_output.hpp"
 #include "host_tools/table/trajectory_table.hpp"
+#include "host_tools/text/output_file.hpp"
 #include "tests/support/fitting_move.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/property.hpp"

@@ -11,7 +11,7 @@
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/check/check_frames.hpp"
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/support/bounded_cells.hpp"
 #include "tests/support/oracle_rest.hpp"
 #include "tests/support/property.hpp"

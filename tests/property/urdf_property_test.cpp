@@ -18,9 +18,9 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/joints/urdf_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/exported_urdf.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/rig_text.hpp"

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 

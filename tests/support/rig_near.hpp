@@ -4,8 +4,8 @@
 #include <functional>
 #include <optional>
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/random_move.hpp"
 
 namespace inbetween {

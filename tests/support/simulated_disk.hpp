@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/file_layer.hpp"
+#include "host_tools/text/file_layer.hpp"
 
 namespace inbetween {
 

@@ -1,4 +1,4 @@
-#include "host_tools/plan/band_program.hpp"
+#include "host_tools/numerics/band_program.hpp"
 
 #include <gtest/gtest.h>
 

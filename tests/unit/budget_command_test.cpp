@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host_tools/cli/budget.hpp"
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/can/cia402_drive.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/little_endian.hpp"
 #include "tests/support/bus_axis.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/support/bus_axis.hpp"
 
 namespace inbetween {

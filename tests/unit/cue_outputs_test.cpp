@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/motions/start_signal.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"

@@ -1,4 +1,4 @@
-#include "host_tools/files/fault_script.hpp"
+#include "host_tools/rig/fault_script.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/fault_script.hpp"
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/rig/fault_script.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"

@@ -1,5 +1,5 @@
 // `--frames 20..80` of plan, check and run: a part of a move is a move of its own.
-#include "host_tools/files/frame_range.hpp"
+#include "host_tools/text/frame_range.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -14,8 +14,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "host_tools/files/toml_source.hpp"
 #include "host_tools/plan/solved_track.hpp"
+#include "host_tools/text/toml_source.hpp"
 
 namespace inbetween {
 namespace fuzz_finds_test {

@@ -18,11 +18,11 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"

@@ -1,5 +1,5 @@
 // JSON as it is streamed: every text reads back as what was written.
-#include "host_tools/files/json_writer.hpp"
+#include "host_tools/text/json_writer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

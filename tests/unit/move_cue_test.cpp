@@ -1,5 +1,5 @@
 // Cues: what a move does on lines of the rig, and at which frames.
-#include "host_tools/files/move_cue.hpp"
+#include "host_tools/move_model/move_cue.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {

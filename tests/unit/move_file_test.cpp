@@ -1,4 +1,4 @@
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // What an editor changes is written into the file of a move; comments, order and everything else stay.
-#include "host_tools/files/move_rewrite.hpp"
+#include "host_tools/move_model/move_rewrite.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/run_program.hpp"
 

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "host_tools/edit/edit_session.hpp"
-#include "host_tools/files/csv_table.hpp"
-#include "host_tools/files/move_rewrite.hpp"
+#include "host_tools/move_model/move_rewrite.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/plan_output.hpp"
+#include "host_tools/text/csv_table.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"

@@ -1,5 +1,5 @@
 // A file is written whole or not at all.
-#include "host_tools/files/output_file.hpp"
+#include "host_tools/text/output_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "drivers/linux/line_pipe.hpp"
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
 #include "host_tools/rig/rig_drives.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/support/rig_text.hpp"
 
 namespace inbetween {

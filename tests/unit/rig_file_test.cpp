@@ -1,4 +1,4 @@
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "host_tools/check/check.hpp"
-#include "host_tools/files/fault_script.hpp"
-#include "host_tools/files/rig_motors.hpp"
 #include "host_tools/motions/run.hpp"
+#include "host_tools/rig/fault_script.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "host_tools/rig_model/rig_motors.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <variant>
 
-#include "host_tools/files/rig_file.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
 
 namespace inbetween {

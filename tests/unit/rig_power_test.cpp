@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/files/rig_file.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"

@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/little_endian.hpp"
 #include "tests/support/bus_axis.hpp"
 

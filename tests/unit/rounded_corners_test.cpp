@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/solved_track.hpp"

@@ -13,10 +13,10 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/speed_rewrite.hpp"
 #include "host_tools/fit/fewer_values.hpp"
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/fit_output.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"
 

@@ -1,4 +1,4 @@
-#include "host_tools/files/speed_rewrite.hpp"
+#include "host_tools/move_model/speed_rewrite.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
-#include "host_tools/files/toml_source.hpp"
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/text/toml_source.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 

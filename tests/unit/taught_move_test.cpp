@@ -1,5 +1,5 @@
 // Keys stored where a rig stands: what becomes of the file, and of one that somebody else changes.
-#include "host_tools/files/taught_move.hpp"
+#include "host_tools/move_model/taught_move.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/files/diagnostics.hpp"
-#include "host_tools/files/file_layer.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/file_layer.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"

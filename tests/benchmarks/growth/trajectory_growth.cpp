@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/files/move_file.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/solved_track.hpp"

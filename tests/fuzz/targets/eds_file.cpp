@@ -1,6 +1,6 @@
-// Any text is a data sheet that keeps every promise of host_tools/files/eds_file.hpp, or is refused in one
-// line.
-#include "host_tools/files/eds_file.hpp"
+// Any text is a data sheet that keeps every promise of host_tools/rig_model/eds_file.hpp, or is refused in
+// one line.
+#include "host_tools/rig_model/eds_file.hpp"
 
 #include <cstddef>
 #include <cstdint>

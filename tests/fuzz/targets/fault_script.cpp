@@ -1,6 +1,6 @@
-// Any text is a script of faults that keeps every promise of host_tools/files/fault_script.hpp, or is refused
-// in one line.
-#include "host_tools/files/fault_script.hpp"
+// Any text is a script of faults that keeps every promise of host_tools/rig/fault_script.hpp, or is
+// refused in one line.
+#include "host_tools/rig/fault_script.hpp"
 
 #include <cstddef>
 #include <cstdint>

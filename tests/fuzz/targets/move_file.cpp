@@ -1,5 +1,6 @@
-// Any text is a move that keeps every promise of host_tools/files/move_file.hpp, or is refused in one line.
-#include "host_tools/files/move_file.hpp"
+// Any text is a move that keeps every promise of host_tools/move_model/move_file.hpp, or is refused in one
+// line.
+#include "host_tools/move_model/move_file.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <variant>
 
-#include "host_tools/files/position_text.hpp"
+#include "host_tools/reference/position_text.hpp"
 #include "inbetween/base/hash.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "host_tools/files/diagnostics.hpp"
+#include "host_tools/text/diagnostics.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 
 /// What every refusal of a reader must be: one line for a terminal, at a place of the file that was read.

@@ -1,5 +1,5 @@
-// Any text is a rig that keeps every promise of host_tools/files/rig_file.hpp, or is refused in one line.
-#include "host_tools/files/rig_file.hpp"
+// Any text is a rig that keeps every promise of host_tools/rig_model/rig_file.hpp, or is refused in one line.
+#include "host_tools/rig_model/rig_file.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -7,7 +7,7 @@
 #include <exception>
 #include <filesystem>
 
-#include "host_tools/files/output_file.hpp"
+#include "host_tools/text/output_file.hpp"
 #include "tests/support/golden_table.hpp"
 
 int main(int argc, char** argv) {
