@@ -44,6 +44,9 @@ class BandProgram {
   /// The answer of the last solve().
   [[nodiscard]] double value(std::span<const Term> sum) const;
   [[nodiscard]] double ease() const { return ease_; }
+  /// By how much the sum of inequality i, in the order in which they were added, is above its bound: what
+  /// value() less the bound is up to rounding, and never below 0.
+  [[nodiscard]] double slack(std::size_t i) const { return slack_[i]; }
   /// By how much equation i, in the order in which they were added, is missed.
   [[nodiscard]] double missed(std::size_t i) const;
 

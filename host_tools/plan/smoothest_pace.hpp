@@ -20,14 +20,14 @@ struct PaceSpec {
 /// Control values of a speed curve, the largest 100: phi >= 0, the integral between two keys is their
 /// distance's share of the whole, and the integral of phi''^2 is the least of all such curves. Between keys
 /// in one place, and at ends that rest, neighbouring control values are 0. At other ends phi'' is 0.
+/// Without rests and with two keys every even change of speed is as smooth: the speed stays the same.
 ///
 /// The curve has four spans in the shortest time between two keys, and as many more as it takes for every
 /// touch to lie on a knot, up to 2048 control values.
 ///
 /// Method: a convex quadratic program in the control values, whose unknowns are their running sums, so that
-/// every key is a condition on four or five neighbours and all matrices have a narrow band; Mehrotra's
-/// predictor and corrector (1992). Cost: tens of iterations, each linear in the number of control values.
-/// Accuracy: every key within 1e-11 of the length.
+/// every key is a condition on four or five neighbours (BandProgram). Cost: tens of iterations, each linear
+/// in the number of control values. Accuracy: every key within 1e-11 of the length.
 ///
 /// Throws SolverError, with the key, where no curve of so many control values meets the frames, or where a
 /// touch cannot lie on a knot.

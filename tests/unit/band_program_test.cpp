@@ -50,6 +50,16 @@ TEST(BandProgram, AnInequalityThatHoldsChangesNothingAndOneThatDoesNotIsMet) {
   EXPECT_NEAR(program.value(y), 4, 1e-9);
 }
 
+TEST(BandProgram, ASlackSaysHowFarASumIsAboveItsBoundAndIsNeverBelow0) {
+  BandProgram program = nearest_to(3, -4);
+  program.demand_at_least(x, 1);
+  program.demand_at_least(y, 0);
+  ASSERT_TRUE(solve(program));
+  EXPECT_NEAR(program.slack(0), 2, 1e-9);
+  EXPECT_NEAR(program.slack(1), 0, 1e-9);
+  EXPECT_GE(program.slack(1), 0);
+}
+
 TEST(BandProgram, TheCostSaysWhatIsNear) {
   BandProgram program(2);
   program.add_cost(x, x, 4);
