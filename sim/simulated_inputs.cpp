@@ -31,7 +31,7 @@ void SimulatedInputs::follow(std::size_t axis, double position, std::int64_t now
   const double velocity = (position - stand.position) / seconds;
   const Setpoint from{.position = stand.position, .velocity = velocity};
   const Setpoint to{.position = position, .velocity = velocity};
-  for (OnWay& one : switches_) {
+  for (OnAxis& one : switches_) {
     if (one.axis != axis) continue;
     one.of.move(from_ns, from, now_ns, to, coming_);
     levels_[one.line] = one.of.level();
@@ -46,7 +46,7 @@ void SimulatedInputs::set(std::size_t line, bool level, std::int64_t now_ns) {
 }
 
 void SimulatedInputs::set_fault(std::size_t line, SimulatedSwitch::Fault fault) {
-  std::ranges::find(switches_, line, &OnWay::line)->of.set_fault(fault);
+  std::ranges::find(switches_, line, &OnAxis::line)->of.set_fault(fault);
 }
 
 void SimulatedInputs::take(std::vector<LineEvent>& events) {

@@ -11,8 +11,8 @@
 
 namespace inbetween {
 
-/// The input lines of a rig without hardware: switches on the way of its axes, and lines that somebody sets.
-/// They tell what those of a GPIO chip tell: edges with their times, and levels.
+/// The input lines of a rig without hardware: switches along the travel of its axes, and lines that somebody
+/// sets. They tell what those of a GPIO chip tell: edges with their times, and levels.
 class SimulatedInputs {
  public:
   /// Lines at their first levels, with the axes at rest at `positions`.
@@ -32,7 +32,7 @@ class SimulatedInputs {
   void take(std::vector<LineEvent>& events);
 
  private:
-  struct OnWay {
+  struct OnAxis {
     std::size_t axis = 0;
     std::size_t line = 0;
     SimulatedSwitch of;
@@ -44,7 +44,7 @@ class SimulatedInputs {
 
   std::vector<bool> levels_;
   std::vector<Stand> stands_;
-  std::vector<OnWay> switches_;
+  std::vector<OnAxis> switches_;
   std::vector<LineEvent> coming_;
 };
 

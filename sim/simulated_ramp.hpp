@@ -19,11 +19,11 @@ struct SimulatedRamp {
     velocity = 0;
   }
   void go_to(double target, const Limits& limits, double seconds) {
-    const double way = target - position;
-    double wanted = way / seconds;
+    const double distance = target - position;
+    double wanted = distance / seconds;
     if (limits.velocity > 0) wanted = std::clamp(wanted, -limits.velocity, limits.velocity);
     if (limits.acceleration > 0) {
-      const double braking = std::sqrt(2 * limits.acceleration * std::fabs(way));
+      const double braking = std::sqrt(2 * limits.acceleration * std::fabs(distance));
       const double change = limits.acceleration * seconds;
       wanted = std::clamp(wanted, -braking, braking);
       wanted = std::clamp(wanted, velocity - change, velocity + change);

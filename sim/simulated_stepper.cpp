@@ -75,8 +75,8 @@ Status SimulatedStepper::take(const EdgeInstant& instant) {
 }
 
 void SimulatedStepper::step(std::int64_t at_ns) {
-  const std::int64_t way = dir_level_ ? 1 : -1;
-  count_ += way;
+  const std::int64_t step = dir_level_ ? 1 : -1;
+  count_ += step;
 
   const double period_ns = static_cast<double>(at_ns - step_ns_);
   step_ns_ = at_ns;
@@ -96,7 +96,7 @@ void SimulatedStepper::step(std::int64_t at_ns) {
   if (is_stalled_) {
     ++lost_;
   } else {
-    made_ += way;
+    made_ += step;
   }
 }
 

@@ -18,9 +18,9 @@ std::int64_t nanoseconds(double seconds) {
 
 /// Interpolates by Hermite's cubic at `share` of the time between both.
 double position_between(const Setpoint& from, const Setpoint& to, double seconds, double share) {
-  const double way = to.position - from.position;
+  const double distance = to.position - from.position;
   const double left = 1 - share;
-  return from.position + share * share * (3 - 2 * share) * way +
+  return from.position + share * share * (3 - 2 * share) * distance +
          share * left * seconds * (left * from.velocity - share * to.velocity);
 }
 

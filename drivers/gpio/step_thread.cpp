@@ -2,8 +2,8 @@
 
 namespace inbetween::gpio {
 
-StepThread::StepThread(StepPlayer& player, const std::optional<RealTimeWishes>& wishes)
-    : player_(player), thread_([this, wishes] { play(wishes); }) {
+StepThread::StepThread(StepPlayer& player, const std::optional<RealTimeRequest>& request)
+    : player_(player), thread_([this, request] { play(request); }) {
   is_ready_.wait();
 }
 
@@ -12,10 +12,10 @@ StepThread::~StepThread() {
   thread_.join();
 }
 
-void StepThread::play(const std::optional<RealTimeWishes>& wishes) {
+void StepThread::play(const std::optional<RealTimeRequest>& request) {
   std::optional<RealTimeThread> real_time;
-  if (wishes) {
-    real_time.emplace(*wishes);
+  if (request) {
+    real_time.emplace(*request);
     rights_ = real_time->rights();
   }
   is_ready_.count_down();

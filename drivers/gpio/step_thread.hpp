@@ -14,22 +14,22 @@ namespace inbetween::gpio {
 /// safe levels set.
 ///
 /// It watches the clock before every instant. On the only processor, or on that of the loop, it therefore
-/// takes away what it watches for; wish it a processor of its own.
+/// takes away what it watches for; ask for a processor of its own.
 class StepThread {
  public:
-  /// With the wishes it is a real-time thread as far as the machine allows: see `rights`. The process's loop
-  /// has locked the memory already, so `locks_memory` is to be false in them if there is one. Without wishes
+  /// With the request it is a real-time thread as far as the machine allows: see `rights`. The process's loop
+  /// has locked the memory already, so `locks_memory` is to be false in it if there is one. Without one
   /// it is an ordinary thread. Returns when it runs; throws std::system_error if there can be no thread.
-  StepThread(StepPlayer& player, const std::optional<RealTimeWishes>& wishes);
+  StepThread(StepPlayer& player, const std::optional<RealTimeRequest>& request);
   ~StepThread();
   StepThread(const StepThread&) = delete;
   StepThread& operator=(const StepThread&) = delete;
 
-  /// As RealTimeThread has them; none without wishes.
+  /// As RealTimeThread has them; none without a request.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
 
  private:
-  void play(const std::optional<RealTimeWishes>& wishes);
+  void play(const std::optional<RealTimeRequest>& request);
 
   StepPlayer& player_;
   std::vector<RealTimeRight> rights_;

@@ -22,11 +22,11 @@ struct KeyBit {
   std::uint16_t code;
   bool forward;
 };
-constexpr std::array way_keys{KeyBit{KEY_RIGHT, true},      KeyBit{KEY_LEFT, false},
-                              KeyBit{KEY_KPPLUS, true},     KeyBit{KEY_KPMINUS, false},
-                              KeyBit{BTN_DPAD_RIGHT, true}, KeyBit{BTN_DPAD_LEFT, false}};
+constexpr std::array direction_keys{KeyBit{KEY_RIGHT, true},      KeyBit{KEY_LEFT, false},
+                                    KeyBit{KEY_KPPLUS, true},     KeyBit{KEY_KPMINUS, false},
+                                    KeyBit{BTN_DPAD_RIGHT, true}, KeyBit{BTN_DPAD_LEFT, false}};
 // Behind the bits of the keys those of a cross that is an axis.
-constexpr unsigned cross_forward = 1U << way_keys.size();
+constexpr unsigned cross_forward = 1U << direction_keys.size();
 constexpr unsigned cross_backward = cross_forward << 1U;
 
 constexpr std::string_view up = "\x1b[A", down = "\x1b[B";
@@ -47,8 +47,8 @@ constexpr std::int64_t units_of_detent = 120;  // of REL_WHEEL_HI_RES
 
 constexpr unsigned bits_of(bool forward) {
   unsigned bits = forward ? cross_forward : cross_backward;
-  for (std::size_t i = 0; i < way_keys.size(); ++i) {
-    if (way_keys[i].forward == forward) bits |= 1U << i;
+  for (std::size_t i = 0; i < direction_keys.size(); ++i) {
+    if (direction_keys[i].forward == forward) bits |= 1U << i;
   }
   return bits;
 }
@@ -100,8 +100,8 @@ void EventDevice::ask_what_is_held() {
   if (::ioctl(file_, EVIOCGKEY(state.size()), state.data()) < 0) return;
   held_ = 0;
   const auto is_held = [&](std::uint16_t code) { return (state[code / 8U] >> (code % 8U) & 1U) != 0; };
-  for (std::size_t i = 0; i < way_keys.size(); ++i) {
-    if (is_held(way_keys[i].code)) held_ |= 1U << i;
+  for (std::size_t i = 0; i < direction_keys.size(); ++i) {
+    if (is_held(direction_keys[i].code)) held_ |= 1U << i;
   }
   has_control_ = is_held(KEY_LEFTCTRL) || is_held(KEY_RIGHTCTRL);
   input_absinfo cross{};
@@ -129,8 +129,8 @@ void EventDevice::settle(std::vector<HandEvent>& events) {
 }
 
 void EventDevice::take_key(std::uint16_t code, std::int32_t value) {
-  for (std::size_t i = 0; i < way_keys.size(); ++i) {
-    if (way_keys[i].code == code) held_ = value != 0 ? held_ | 1U << i : held_ & ~(1U << i);
+  for (std::size_t i = 0; i < direction_keys.size(); ++i) {
+    if (direction_keys[i].code == code) held_ = value != 0 ? held_ | 1U << i : held_ & ~(1U << i);
   }
   if (code == KEY_LEFTCTRL || code == KEY_RIGHTCTRL) has_control_ = value != 0;
   if (value != 1 || !has_alone_) return;

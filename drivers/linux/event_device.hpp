@@ -22,7 +22,7 @@ enum class HandEvent : std::uint8_t {
 ///
 /// A direction begins from neutral only: while another key is held, or one that was held when the device was
 /// opened, or after events were lost, nothing is held until all are let go. A wheel has 120 of the units of
-/// REL_WHEEL_HI_RES in a detent; units of the other way begin a new one.
+/// REL_WHEEL_HI_RES in a detent; units of the other direction begin a new one.
 ///
 /// Linux's structures are read as they are and not through libevdev, which takes no pipe: so another program
 /// or a test may be the device.

@@ -6,7 +6,7 @@
 
 namespace inbetween {
 
-/// Ctrl-C, a polite kill and a lost terminal become a wish, for as long as this lives. One at a time.
+/// Ctrl-C, a polite kill and a lost terminal become a request, for as long as this lives. One at a time.
 class InterruptWatch {
  public:
   InterruptWatch();

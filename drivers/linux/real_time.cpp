@@ -56,12 +56,12 @@ std::optional<long> kernel_number(const char* path) {
 
 }  // namespace
 
-RealTimeThread::RealTimeThread(const RealTimeWishes& wishes) {
-  if (wishes.locks_memory) lock_memory();
-  touch_stack(wishes.stack_bytes, !wishes.locks_memory || has_locked_memory_);
-  if (wishes.cpu) bind_to(*wishes.cpu);
+RealTimeThread::RealTimeThread(const RealTimeRequest& request) {
+  if (request.locks_memory) lock_memory();
+  touch_stack(request.stack_bytes, !request.locks_memory || has_locked_memory_);
+  if (request.cpu) bind_to(*request.cpu);
   keep_awake();
-  take_priority(wishes.priority);
+  take_priority(request.priority);
   look_for_throttling();
 }
 

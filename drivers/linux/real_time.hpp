@@ -10,8 +10,8 @@
 
 namespace inbetween {
 
-/// The wishes of a thread to Linux, so that it wakes up when it should.
-struct RealTimeWishes {
+/// What a thread requests of Linux, so that it wakes up when it should.
+struct RealTimeRequest {
   int priority = 80;                      ///< SCHED_FIFO, 1 to 99
   std::optional<int> cpu = std::nullopt;  ///< the only processor to run on; none: any
   std::size_t stack_bytes = 256 * 1024;   ///< below the caller's frame, in memory before it is needed
@@ -36,12 +36,12 @@ struct RealTimeRight {
 /// process's memory in.
 class RealTimeThread {
  public:
-  explicit RealTimeThread(const RealTimeWishes& wishes);
+  explicit RealTimeThread(const RealTimeRequest& request);
   ~RealTimeThread();
   RealTimeThread(const RealTimeThread&) = delete;
   RealTimeThread& operator=(const RealTimeThread&) = delete;
 
-  /// In the order in which they were asked for; the processor and locked memory only if wished for.
+  /// In the order in which they were asked for; the processor and locked memory only if requested.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
   /// Whether everything was obtained that a loop which drives motors needs.
   [[nodiscard]] bool is_fit() const;

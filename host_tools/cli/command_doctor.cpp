@@ -55,7 +55,7 @@ int doctor_command(const DoctorArguments& arguments) {
   Findings findings = check_machine(facts);
   std::optional<WakeLatency> latency;
   {
-    const RealTimeThread thread(RealTimeWishes{});
+    const RealTimeThread thread(RealTimeRequest{});
     add(findings, check_rights(thread.rights()));
     if (arguments.seconds > 0) {
       latency = measure_wake_latency(arguments.seconds, rate_hz);

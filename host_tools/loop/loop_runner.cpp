@@ -83,9 +83,9 @@ ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
 // --- in real time
 
 TimedRunner::TimedRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace,
-                         Lateness lateness, const std::optional<RealTimeWishes>& wishes)
+                         Lateness lateness, const std::optional<RealTimeRequest>& request)
     : loop_(loop), rate_hz_(rate_hz), audience_(audience), trace_(trace), lateness_(lateness) {
-  thread_ = std::thread([this, wishes] { live(wishes); });
+  thread_ = std::thread([this, request] { live(request); });
   has_rights_.wait(false);
 }
 
@@ -94,10 +94,10 @@ TimedRunner::~TimedRunner() {
   thread_.join();
 }
 
-void TimedRunner::live(const std::optional<RealTimeWishes>& wishes) {
+void TimedRunner::live(const std::optional<RealTimeRequest>& request) {
   std::optional<RealTimeThread> rights;
-  if (wishes) {
-    rights.emplace(*wishes);
+  if (request) {
+    rights.emplace(*request);
     rights_ = rights->rights();
   }
   has_rights_.store(true);

@@ -104,9 +104,9 @@ enum class Lateness {
 /// snapshots go out through rings, what does not fit is counted.
 class TimedRunner {
  public:
-  /// With `wishes` the thread asks for real-time rights first.
+  /// With `request` the thread asks for real-time rights first.
   TimedRunner(RunLoop& loop, std::int32_t rate_hz, const LoopAudience& audience, LoopTrace& trace,
-              Lateness lateness, const std::optional<RealTimeWishes>& wishes);
+              Lateness lateness, const std::optional<RealTimeRequest>& request);
   ~TimedRunner();
   TimedRunner(const TimedRunner&) = delete;
   TimedRunner& operator=(const TimedRunner&) = delete;
@@ -122,7 +122,7 @@ class TimedRunner {
   [[nodiscard]] std::int64_t late_ticks() const { return late_ticks_; }
 
  private:
-  void live(const std::optional<RealTimeWishes>& wishes);
+  void live(const std::optional<RealTimeRequest>& request);
   void loop();
   void tick(std::int32_t ticks, std::int64_t now_ns);
   void attend(std::optional<std::int64_t> last);

@@ -90,12 +90,12 @@ void RigSession::start() {
     return;
   }
   Lateness lateness = Lateness::time_stands_still;
-  std::optional<RealTimeWishes> wishes;
+  std::optional<RealTimeRequest> request;
   if (!options_.simulated) {
     lateness = drives_.steps() != nullptr ? Lateness::falls_behind : Lateness::catches_up;
-    wishes = RealTimeWishes{};
+    request = RealTimeRequest{};
   }
-  timed_.emplace(loop_, rig_.rate_hz, options_.audience, trace_, lateness, wishes);
+  timed_.emplace(loop_, rig_.rate_hz, options_.audience, trace_, lateness, request);
   if (!options_.simulated && !options_.allow_jitter) refuse_unfit_machine(rig_.path, timed_->rights());
 }
 

@@ -137,9 +137,9 @@ class PlayedChip final : public ChipOutputs {
     if (auto refusal = machine.open(label)) return refusal;
     if (auto refusal = outputs_.open(machine, lines)) return refusal;
     player_.emplace(outputs_, settings, played_.get());
-    std::optional<RealTimeWishes> wishes;
-    if (in_real_time) wishes = RealTimeWishes{.locks_memory = false};
-    thread_.emplace(*player_, wishes);
+    std::optional<RealTimeRequest> request;
+    if (in_real_time) request = RealTimeRequest{.locks_memory = false};
+    thread_.emplace(*player_, request);
     for (const RealTimeRight& right : thread_->rights()) {
       if (right.is_needed && right.refusal) return right.refusal;
     }

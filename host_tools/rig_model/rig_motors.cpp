@@ -26,7 +26,7 @@ AxisGear gear_of(const RigAxis& axis, std::int32_t rate_hz) {
   if (!axis.ganged.empty()) gear.max_skew = axis.max_skew;
   if (axis.backlash) {
     const Backlash backlash{
-        .way = take_up_way(axis),
+        .distance = take_up_way(axis),
         .approach_is_up = axis.backlash->approach_is_up,
         .ticks = std::max(static_cast<std::int32_t>(std::ceil(axis.backlash->take_up_s * rate_hz)), 1),
         .min_return = count_of(axis)};

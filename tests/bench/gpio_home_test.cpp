@@ -151,8 +151,8 @@ TEST(GpioHome, ASwitchThatIsNotReachedInTheAllowedWayStopsAllAxes) {
   std::string rig = rig_text;
   rig.replace(rig.find("back_off = 2 }"), 14, "back_off = 2, search = 20 }");
   const HomeScene scene("", "", rig);
-  EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch was not reached within the way to look "
-                                       "for it; see whether its wire is broken"));
+  EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch was not reached within the distance to "
+                                       "look for it; see whether its wire is broken"));
   const HomeScene::Ways x = scene.ways(step_x, dir_x);
   EXPECT_EQ(x.down, 200) << "the way that is allowed";
   EXPECT_EQ(x.up, 0);

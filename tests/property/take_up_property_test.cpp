@@ -48,7 +48,7 @@ TEST(TakeUpProperty, ItStaysInsideItsPeaksAndTheLoadIsWhereTheAxisIs) {
     const double count = any_number(0, 0.1) * play;
     const bool up = *rc::gen::arbitrary<bool>();
     const int ticks = *rc::gen::inRange(1, 60);
-    TakeUp take_up({.way = up ? -play : play, .approach_is_up = up, .ticks = ticks, .min_return = count},
+    TakeUp take_up({.distance = up ? -play : play, .approach_is_up = up, .ticks = ticks, .min_return = count},
                    tick_s);
     const auto [velocity, acceleration, jerk] = take_up_peaks(play, ticks * tick_s);
     const std::vector<double> way = any_way(count);
@@ -86,7 +86,7 @@ TEST(TakeUpProperty, WhenSetpointsCeaseItStaysAndBeginsAnewFromThere) {
   check_property(1000, [] {
     const double play = any_number(0.01, 1);
     const int ticks = *rc::gen::inRange(2, 60);
-    TakeUp take_up({.way = -play, .ticks = ticks}, tick_s);
+    TakeUp take_up({.distance = -play, .ticks = ticks}, tick_s);
     take_up.follow(0);
     const int until = *rc::gen::inRange(1, ticks);
     double told = 0;

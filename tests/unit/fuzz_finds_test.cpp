@@ -226,8 +226,8 @@ TEST(FuzzFinds, APortionWhoseSpeedIsTooNearZeroForItsConstantIsRefused) {
   const Error error = refusal(broken_at_key_1(std::numeric_limits<double>::denorm_min()));
   EXPECT_EQ(error.code, ErrorCode::no_distance);
   EXPECT_EQ(error.key, 1);
-  EXPECT_STREQ(error.what, "the speed curve is too near zero on the whole way to this key");
-  EXPECT_STREQ(refusal(broken_at_key_1(0)).what, "the speed curve is zero on the whole way to this key");
+  EXPECT_STREQ(error.what, "the speed curve is too near zero on the whole path to this key");
+  EXPECT_STREQ(refusal(broken_at_key_1(0)).what, "the speed curve is zero on the whole path to this key");
   expect_sound(solved(broken_at_key_1(1)));
 }
 

@@ -333,7 +333,7 @@ TEST(Homing, RefusesToBeginAndSaysWhyAndOfWhichAxis) {
   refused("an axis moves already", 2);
   homing.free_axis(2).halt();
   ASSERT_TRUE(homing.free_axis(2).place(1e119));
-  refused("the ways of the homing are too far to be computed", 2);
+  refused("the distances of the homing are too far to be computed", 2);
   ASSERT_TRUE(homing.free_axis(2).place(0));
   homing.inputs.pop_back();
   refused("the homing has not an input for every axis", -1);

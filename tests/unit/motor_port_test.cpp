@@ -178,7 +178,7 @@ TEST(MotorPort, WhatIsPlannedOfAMotorHoldsWhileItsAxisIsToldTheSame) {
 }
 
 TEST(MotorPort, ThePlayIsCrossedWhenTheAxisTurnsAndNotWhenSetpointsCease) {
-  std::array<AxisGear, 1> gears{{{.take_up = TakeUp({.way = -0.5, .ticks = 10}, 0.004)}}};
+  std::array<AxisGear, 1> gears{{{.take_up = TakeUp({.distance = -0.5, .ticks = 10}, 0.004)}}};
   std::array<AxisMotor, 1> of{{{.axis = 0}}};
   ToldMotors motors{.states = {{.actual = 5, .is_on = true}}};
   std::array<DriveState, 1> states, axes;

@@ -38,7 +38,8 @@ Result<AxisHoming> AxisHoming::make(const HomingSpec& spec, FreeAxis& axis) {
   }
   for (const double magnitude : {spec.fast, spec.slow, spec.search, spec.leave, spec.back_off}) {
     if (!(magnitude > 0)) {
-      return refusal("a way or a speed of the homing is not above 0", "give ways and speeds as magnitudes");
+      return refusal("a distance or a speed of the homing is not above 0",
+                     "give distances and speeds as magnitudes");
     }
   }
   if (spec.slow > spec.fast || spec.fast > axis.limits().velocity) {
@@ -55,11 +56,12 @@ double AxisHoming::reach() const {
   const FreeAxisLimits& limits = axis_->limits();
   // A stop from `fast` takes at most velocity / acceleration + acceleration / jerk seconds.
   const double stop = spec_.fast * (spec_.fast / limits.acceleration + limits.acceleration / limits.jerk);
-  return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_way() + stop);
+  return spec_.search + spec_.leave + 4 * (spec_.back_off + spike_distance() + stop);
 }
 
-/// A spike or a bounce that counted as the first edge of the fast search makes it early by at most this way.
-double AxisHoming::spike_way() const {
+/// A spike or a bounce that counted as the first edge of the fast search makes it early by at most this
+/// distance.
+double AxisHoming::spike_distance() const {
   constexpr double second = 1'000'000'000;
   return spec_.fast * 4 * (static_cast<double>(spec_.home.quiet_ns) / second);
 }
@@ -72,10 +74,10 @@ Status AxisHoming::can_begin(const HomingInput& input) const {
   }
   if (input.drive_fault) return refusal("the drive of an axis has a fault", "see what the drive tells");
   const double here = axis_->position();
-  // A position far from 0 resolves no short way: the axis would back off by nothing, for ever.
+  // A position far from 0 resolves no short distance: the axis would back off by nothing, for ever.
   if (!(std::fabs(here) + reach() <= Precision::largest && here - spec_.back_off < here &&
         here + spec_.back_off > here)) {
-    return refusal("the ways of the homing are too far to be computed",
+    return refusal("the distances of the homing are too far to be computed",
                    "shorten them, or begin with a position near 0");
   }
   return Done{};
@@ -95,7 +97,7 @@ void AxisHoming::begin(std::int64_t now_ns, const HomingInput& input) {
   // The trail must have a setpoint before the first tick: an edge may come at once.
   trail_.push(now_ns, axis_->state());
   switch_.start(now_ns, input.level);
-  // The soft limits of the rig mean nothing yet, because nobody knows where the axis is. The longest way
+  // The soft limits of the rig mean nothing yet, because nobody knows where the axis is. The longest distance
   // bounds it.
   if (!axis_->set_range(start_ - reach(), start_ + reach())) __builtin_trap();
   apply(HomingSignal::begin);
@@ -172,7 +174,7 @@ void AxisHoming::act(HomingAction action) {
       go_to(mark_ - towards(spec_.back_off), spec_.fast);
       break;
     case HomingAction::approach:
-      go_to(mark_ + towards(spec_.back_off + spike_way()), spec_.slow);
+      go_to(mark_ + towards(spec_.back_off + spike_distance()), spec_.slow);
       break;
     case HomingAction::refer:
       shift_ = spec_.at - mark_;
@@ -194,7 +196,7 @@ void AxisHoming::fail(HomingFailure failure) {
   apply(HomingSignal::abort);
 }
 
-/// The range has room for every way, so that nothing is refused.
+/// The range has room for every distance, so that nothing is refused.
 void AxisHoming::go_to(double position, double speed) {
   if (!axis_->go_to(position, speed)) __builtin_trap();
 }

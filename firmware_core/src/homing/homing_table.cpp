@@ -55,7 +55,7 @@ constexpr std::array<Row, homing_phases> make_table() {
   on(searching, activated, turning, Action::mark_stop);
   fail(searching, rested_off, Failure::never_reached);
 
-  // The way to search counts from the start, so a spike does not lengthen the search.
+  // The distance to search counts from the start, so a spike does not lengthen the search.
   on(overrunning, noise, searching, Action::search);
   on(overrunning, activated, turning, Action::mark);
 
@@ -91,7 +91,7 @@ struct Words {
 };
 constexpr std::array<Words, homing_failures> words{{
     {"nothing", ""},
-    {"the switch was not reached within the way to look for it",
+    {"the switch was not reached within the distance to look for it",
      "see whether its wire is broken and the direction is right, or let the axis look further"},
     {"the switch stays actuated although the axis has left it",
      "see whether it sticks or its wires touch, or let the axis back off further than it takes to open"},

@@ -30,12 +30,12 @@ double SetpointTrail::between(const Step& from, const Step& to, std::int64_t at_
   constexpr double second = 1'000'000'000;
   const double duration = static_cast<double>(to.at_ns - from.at_ns) / second;
   const double u = static_cast<double>(at_ns - from.at_ns) / static_cast<double>(to.at_ns - from.at_ns);
-  const double way = to.setpoint.position - from.setpoint.position;
+  const double distance = to.setpoint.position - from.setpoint.position;
   const auto end_of = [&](const Step& step, double position) {
     return QuinticEnd{position, step.setpoint.velocity * duration,
                       step.setpoint.acceleration * duration * duration};
   };
-  return from.setpoint.position + value_at(joining(end_of(from, 0), end_of(to, way)), u);
+  return from.setpoint.position + value_at(joining(end_of(from, 0), end_of(to, distance)), u);
 }
 
 }  // namespace inbetween

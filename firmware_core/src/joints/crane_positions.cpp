@@ -51,9 +51,9 @@ Result<TurnedHand> turned_to_height(const TurningHand& hand, double y, bool back
 Result<CranePositions> crane_positions(const CameraCrane& crane, const Vector3& head, CraneSides sides) {
   const Vector3 beside = cross(crane.column, crane.track);
   const Vector3 forward = cross(crane.column, crane.boom);
-  const Vector3 way = head - crane.foot;
+  const Vector3 reach = head - crane.foot;
   const auto boom = turned_to_height({dot(crane.raised, forward), dot(crane.raised, crane.column)},
-                                     dot(way - crane.level, crane.column), sides.leans_back,
+                                     dot(reach - crane.level, crane.column), sides.leans_back,
                                      {.code = ErrorCode::no_solution,
                                       .what = "the place is higher or lower than the boom reaches",
                                       .remedy = "move it to a height that the boom reaches"});
@@ -61,12 +61,12 @@ Result<CranePositions> crane_positions(const CameraCrane& crane, const Vector3& 
   const Vector3 carried = forward * (dot(crane.level, forward) + boom->x) +
                           crane.boom * dot(crane.level + crane.raised, crane.boom);
   const auto swing =
-      turned_to_height({dot(carried, crane.track), dot(carried, beside)}, dot(way, beside), sides.is_behind,
+      turned_to_height({dot(carried, crane.track), dot(carried, beside)}, dot(reach, beside), sides.is_behind,
                        {.code = ErrorCode::no_solution,
                         .what = "the place is farther from the track than the boom reaches",
                         .remedy = "move it nearer to the track"});
   if (!swing) return swing.error();
-  return CranePositions{dot(way, crane.track) - swing->x, swing->angle, boom->angle};
+  return CranePositions{dot(reach, crane.track) - swing->x, swing->angle, boom->angle};
 }
 
 Result<HeadAngles> head_angles(const CameraHead& head, const Vector3& direction, bool over) {

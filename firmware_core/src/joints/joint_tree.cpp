@@ -9,7 +9,7 @@ namespace inbetween {
 namespace {
 
 /// Nothing that people build reaches farther (m). It keeps every product far from overflow.
-constexpr double max_way = 1e6;
+constexpr double max_distance = 1e6;
 
 /// How far the axes of an origin may be from length 1 and from perpendicular. Matrices made from angles
 /// are within 1e-15; what is farther off is not a rotation.
@@ -65,7 +65,7 @@ Status check(const Joint& joint, std::size_t index, std::int32_t coordinate_coun
     return wrong_joint(index, ErrorCode::out_of_range, "the rotation of an origin is none",
                        "use right-handed perpendicular axes of length 1");
   }
-  if (length(joint.origin.position) > max_way) {
+  if (length(joint.origin.position) > max_distance) {
     return wrong_joint(index, ErrorCode::out_of_range, "a link is more than 1e6 m from its parent",
                        "use metres");
   }
@@ -84,7 +84,7 @@ Vector3 with_length_1(const Vector3& v) {
 Result<double> value_of(const Joint& joint, double coordinate) {
   if (joint.kind == JointKind::fixed) return 0.0;
   const double value = joint.factor * coordinate + joint.offset;
-  const double limit = joint.kind == JointKind::revolute ? max_angle : max_way;
+  const double limit = joint.kind == JointKind::revolute ? max_angle : max_distance;
   // Negated, so that a value that is not a number is refused too.
   if (!(std::fabs(value) <= limit)) {
     return Error{.code = ErrorCode::out_of_range,

@@ -21,7 +21,7 @@ Status check_marks(std::span<const CalibrationMark> marks, std::size_t pieces) {
   if (marks.size() < 2) {
     return Error{.code = ErrorCode::wrong_count,
                  .what = "there are fewer than two marks",
-                 .remedy = "give one at each end of the way at least"};
+                 .remedy = "give one at each end of the range at least"};
   }
   if (marks.size() > max_marks || pieces < marks.size() + 1) {
     return Error{.code = ErrorCode::capacity,
@@ -66,14 +66,14 @@ void find_bends(std::span<const CalibrationMark> marks, std::span<double> bends)
 
 Cubic cubic_between(const CalibrationMark& from, const CalibrationMark& to, double bend_from,
                     double bend_to) {
-  const double way = to.axis - from.axis;
+  const double distance = to.axis - from.axis;
   return {.c0 = from.motor,
-          .c1 = (to.motor - from.motor) / way - way * (2 * bend_from + bend_to) / 6,
+          .c1 = (to.motor - from.motor) / distance - distance * (2 * bend_from + bend_to) / 6,
           .c2 = bend_from / 2,
-          .c3 = (bend_to - bend_from) / (6 * way)};
+          .c3 = (bend_to - bend_from) / (6 * distance)};
 }
 
-/// Where the slope of a cubic is extreme within 0..way, the ends included.
+/// Where the slope of a cubic is extreme within 0..distance, the ends included.
 std::array<double, 3> steepest_places(const Cubic& c, double from, double to) {
   const double inside = c.c3 != 0 ? -c.c2 / (3 * c.c3) : from;
   return {from, to, inside > from && inside < to ? inside : from};
@@ -87,10 +87,10 @@ Result<Calibration> Calibration::make(std::span<const CalibrationMark> marks,
   std::array<double, max_marks> bends{};
   find_bends(marks, std::span(bends).first(marks.size()));
   for (std::size_t i = 0; i + 1 < marks.size(); ++i) {
-    const double way = marks[i + 1].axis - marks[i].axis;
-    const double chord = (marks[i + 1].motor - marks[i].motor) / way;
+    const double distance = marks[i + 1].axis - marks[i].axis;
+    const double chord = (marks[i + 1].motor - marks[i].motor) / distance;
     const Cubic cubic = cubic_between(marks[i], marks[i + 1], bends[i], bends[i + 1]);
-    for (const double t : steepest_places(cubic, 0.0, way)) {
+    for (const double t : steepest_places(cubic, 0.0, distance)) {
       if (cubic.derivative(t) / chord >= min_slope_share) continue;
       return bad_mark(ErrorCode::no_solution, i, "the curve from this mark to the next turns back",
                       "measure one more mark between the two, or beside them");
@@ -98,10 +98,10 @@ Result<Calibration> Calibration::make(std::span<const CalibrationMark> marks,
     pieces[i + 1] = {marks[i].axis, cubic};
   }
   const std::size_t last = marks.size() - 1;
-  const double end_way = marks[last].axis - marks[last - 1].axis;
+  const double end_distance = marks[last].axis - marks[last - 1].axis;
   pieces[0] = {marks[0].axis, {.c0 = marks[0].motor, .c1 = pieces[1].cubic.c1}};
   pieces[last + 1] = {marks[last].axis,
-                      {.c0 = marks[last].motor, .c1 = pieces[last].cubic.derivative(end_way)}};
+                      {.c0 = marks[last].motor, .c1 = pieces[last].cubic.derivative(end_distance)}};
   return Calibration(pieces.first(marks.size() + 1));
 }
 

@@ -50,8 +50,8 @@ class MotorSampler {
   SampledSpeed leaving(const MotorJoint& joint, std::span<AxisMotion> out) const {
     return at_joint(joint, axis_at(joint, joint.piece_after, false), joint.curve_after, out[0]);
   }
-  static void write_reach(const PathPoint&, double way, std::span<double> out) {
-    std::ranges::fill(out, way);
+  static void write_reach(const PathPoint&, double offset, std::span<double> out) {
+    std::ranges::fill(out, offset);
   }
   [[nodiscard]] static std::uint8_t unbounded_order(const MotorJoint& joint, const SampledSpeed&,
                                                     std::size_t) {

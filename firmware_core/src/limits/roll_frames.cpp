@@ -38,7 +38,7 @@ FoundBreach breach_at_joint(const AxisMotion& joint, const AxisLimits& limits) {
   return std::nullopt;
 }
 
-FoundBreach breach_on_the_way(const AxisPeaks& peaks, const AxisLimits& limits) {
+FoundBreach breach_within(const AxisPeaks& peaks, const AxisLimits& limits) {
   const auto broken = [](RollQuantity quantity, const Peak& peak, double limit) {
     return RollBreach{.quantity = quantity, .value = peak.value, .limit = limit, .frame = peak.frame};
   };
@@ -66,7 +66,7 @@ Result<FoundBreach> breach_of_axis(const RollRequest& request, std::size_t axis,
   if (breach) {
     breach->frame = static_cast<double>(request.joint_frame);
   } else {
-    breach = breach_on_the_way(roll->peaks(), request.limits[axis]);
+    breach = breach_within(roll->peaks(), request.limits[axis]);
   }
   if (breach) {
     breach->axis = number;
@@ -98,9 +98,9 @@ bool longer_may_help(const RollRequest& request, const RollBreach& breach) {
   const bool pushed_along = joint.velocity != 0 && (joint.acceleration < 0) != from_below;  // r > 0 or a = 0
   const bool broken_below = breach.value < breach.limit;
   if (!pushed_along || joint.acceleration == 0 || broken_below != from_below) return false;
-  const double min_way =
+  const double min_distance =
       std::fabs(joint.velocity) * (std::fabs(joint.velocity) / std::fabs(2 * joint.acceleration));
-  return min_way <= std::fabs(joint.position - breach.limit) * (1 + generous);
+  return min_distance <= std::fabs(joint.position - breach.limit) * (1 + generous);
 }
 
 /// No roll of fewer frames changes a velocity so far within the limits of acceleration and jerk.
@@ -170,7 +170,7 @@ constexpr std::array what_at_joint{
     Text{"the move starts faster than max_velocity", "the move ends faster than max_velocity"},
     Text{"the move starts with more than max_acceleration", "the move ends with more than max_acceleration"},
 };  // the jerk may step here, and is never looked at
-constexpr std::array what_on_the_way{
+constexpr std::array what_within{
     Text{"the pre-roll leaves the range of the axis", "the post-roll leaves the range of the axis"},
     Text{"the pre-roll exceeds max_velocity", "the post-roll exceeds max_velocity"},
     Text{"the pre-roll exceeds max_acceleration", "the post-roll exceeds max_acceleration"},
@@ -195,7 +195,7 @@ Result<std::int32_t> roll_frames(const RollRequest& request) {
   if (!found->obstacle) return found->frames;
   const RollBreach& obstacle = *found->obstacle;
   const auto quantity = static_cast<std::size_t>(obstacle.quantity);
-  const Text what = obstacle.at_joint ? what_at_joint[quantity] : what_on_the_way[quantity];
+  const Text what = obstacle.at_joint ? what_at_joint[quantity] : what_within[quantity];
   const Text cure = remedy(obstacle.quantity, obstacle.at_joint);
   const bool before = request.end == RollEnd::before;
   return Error{.code = ErrorCode::no_solution,

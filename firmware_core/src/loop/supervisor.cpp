@@ -17,14 +17,14 @@ constexpr std::size_t index_of(SupervisorEvent event) {
 
 using Row = std::array<SupervisorStep, supervisor_events>;
 
-/// Where nothing else is said: the operator's wishes are refused, what the rig reports changes nothing, and
+/// Where nothing else is said: the operator's requests are refused, what the rig reports changes nothing, and
 /// lost power is a fault.
 constexpr Row usual(SupervisorState state) {
   Row row;
   row.fill({state, Action::none});
-  for (const SupervisorEvent wish :
+  for (const SupervisorEvent request :
        {SupervisorEvent::arm, SupervisorEvent::start, SupervisorEvent::acknowledge}) {
-    row[index_of(wish)] = {state, Action::refuse};
+    row[index_of(request)] = {state, Action::refuse};
   }
   row[index_of(SupervisorEvent::power_lost)] = {faulted, Action::cease_setpoints};
   row[index_of(SupervisorEvent::disarm)] = {disarmed, Action::disable};

@@ -51,12 +51,12 @@ void fill_buckets(std::span<const double> next_begins, double buckets_per_length
   }
 }
 
-/// Whether no way is before the one in front of it. Their distances from the start are not either, then:
+/// Whether no length is before the one in front of it. Their distances from the start are not either, then:
 /// rounding keeps the order.
-bool rise(std::span<const double> ways) {
+bool rise(std::span<const double> lengths) {
   // Counted in numbers as wide as a double, of which the compiler makes lanes.
   std::int64_t falls = 0;
-  for (std::size_t i = 1; i < ways.size(); ++i) falls += ways[i] < ways[i - 1] ? 1 : 0;
+  for (std::size_t i = 1; i < lengths.size(); ++i) falls += lengths[i] < lengths[i - 1] ? 1 : 0;
   return falls == 0;
 }
 
@@ -81,13 +81,13 @@ struct PlainPiece {
   }
 };
 
-/// Ways from a place of the path, which rise.
-struct RisingWays {
+/// Lengths from a place of the path, which rise.
+struct RisingLengths {
   double begin;
-  std::span<const double> ways;
+  std::span<const double> lengths;
 
-  [[nodiscard]] std::size_t size() const { return ways.size(); }
-  [[nodiscard]] bool is_before(std::size_t i, double distance) const { return begin + ways[i] < distance; }
+  [[nodiscard]] std::size_t size() const { return lengths.size(); }
+  [[nodiscard]] bool is_before(std::size_t i, double distance) const { return begin + lengths[i] < distance; }
 };
 
 /// Points found one after the other, and whether they are in order.
@@ -96,11 +96,11 @@ struct Found {
   bool in_order = true;
 };
 
-/// Finds the points of ways, from the first to the last before `to`, all on one plain piece. Points behind
+/// Finds the points of lengths, from the first to the last before `to`, all on one plain piece. Points behind
 /// those may be overwritten: four are evaluated at once, and the next ones without waiting for how many of
 /// the four are before `to`.
 template <class Number>
-Found find_points(const ArcPiece& piece, double offset, double to, const RisingWays& rising,
+Found find_points(const ArcPiece& piece, double offset, double to, const RisingLengths& rising,
                   std::span<PathPoint> points) {
   std::size_t done = 0;
   double last = 0;
@@ -109,7 +109,7 @@ Found find_points(const ArcPiece& piece, double offset, double to, const RisingW
     const PlainPiece<Number> own(piece);
     Number fallen(0);
     while (done + lane_count <= rising.size()) {
-      const Number t = own.plain_t(offset + Number::from(rising.ways.subspan(done)));
+      const Number t = own.plain_t(offset + Number::from(rising.lengths.subspan(done)));
       fallen = if_less(t, shifted(last, t), Number(1), fallen);
       last = t[lane_count - 1];
       for (std::size_t i = 0; i < lane_count; ++i) points[done + i] = {piece.segment, t[i]};
@@ -120,7 +120,7 @@ Found find_points(const ArcPiece& piece, double offset, double to, const RisingW
     while (done > 0 && !rising.is_before(done - 1, to)) --done;
   }
   for (; done < rising.size() && rising.is_before(done, to); ++done) {
-    const double t = piece.plain_t(offset + rising.ways[done]);
+    const double t = piece.plain_t(offset + rising.lengths[done]);
     in_order = in_order && t >= last;
     last = t;
     points[done] = {piece.segment, t};
@@ -128,21 +128,21 @@ Found find_points(const ArcPiece& piece, double offset, double to, const RisingW
   return {done, in_order};
 }
 
-/// Locates ways. `find` gives the piece of a distance, `locate` the point of a way. Returns whether the
+/// Locates lengths. `find` gives the piece of a distance, `locate` the point of a length. Returns whether the
 /// points are in order.
 template <class Find, class Locate>
-[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool locate_ways(std::span<const ArcPiece> pieces,
-                                                             std::span<const double> next_begins,
-                                                             double path_end, const TwoSum& begin,
-                                                             const Find& find, const Locate& locate,
-                                                             std::span<const double> ways,
-                                                             std::span<PathPoint> points) {
-  const bool rises = rise(ways);
+[[gnu::flatten]] INBETWEEN_PROCESSOR_CLONES bool locate_lengths(std::span<const ArcPiece> pieces,
+                                                                std::span<const double> next_begins,
+                                                                double path_end, const TwoSum& begin,
+                                                                const Find& find, const Locate& locate,
+                                                                std::span<const double> lengths,
+                                                                std::span<PathPoint> points) {
+  const bool rises = rise(lengths);
   const bool is_wide = has_wide_registers();
   std::size_t index = pieces.size();
   bool in_order = true;
-  for (std::size_t i = 0; i < ways.size();) {
-    const double distance = begin.high + ways[i];
+  for (std::size_t i = 0; i < lengths.size();) {
+    const double distance = begin.high + lengths[i];
     const bool is_inside = distance > 0 && distance < path_end;  // the ends are exact
     Found found;
     if (is_inside && rises) {
@@ -155,13 +155,13 @@ template <class Find, class Locate>
       if (piece.kind == ArcPiece::Kind::plain) {
         const double to = std::min(next_begins[index], path_end);
         const double offset = piece.offset(begin);
-        const RisingWays rest{begin.high, ways.subspan(i)};
+        const RisingLengths rest{begin.high, lengths.subspan(i)};
         found = is_wide ? find_points<WideLanes>(piece, offset, to, rest, points.subspan(i))
                         : find_points<Lanes<register_bytes>>(piece, offset, to, rest, points.subspan(i));
       }
     }
     if (found.count == 0) {
-      points[i] = locate(ways[i]);
+      points[i] = locate(lengths[i]);
       index = pieces.size();
       found.count = 1;
     }
@@ -260,10 +260,11 @@ std::size_t ArcLength::piece_in_crowd(std::size_t piece, std::size_t bucket, dou
   return low;
 }
 
-bool ArcLength::locate(const TwoSum& begin, std::span<const double> ways, std::span<PathPoint> points) const {
-  return locate_ways(
+bool ArcLength::locate(const TwoSum& begin, std::span<const double> lengths,
+                       std::span<PathPoint> points) const {
+  return locate_lengths(
       pieces_, next_begins_, end_.high, begin, [&](double distance) { return piece_at(distance); },
-      [&](double way) { return locate(begin, way); }, ways, points);
+      [&](double length) { return locate(begin, length); }, lengths, points);
 }
 
 TwoSum ArcLength::distance(const Path& path, const PathPoint& point) const {

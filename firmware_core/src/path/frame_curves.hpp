@@ -153,7 +153,7 @@ class FrameCurves {
     return 2 * tcb_tangent(spec_, k, d, side) / (frames(left) + frames(right));
   }
 
-  /// Between 0 and 3 times the lesser of the two chords' slopes: the way from a rest is monotone then too.
+  /// Between 0 and 3 times the lesser of the two chords' slopes: the curve from a rest is monotone then too.
   [[nodiscard]] double limited(double slope, std::size_t k, std::size_t d) const {
     const std::size_t left = k > 0 ? k - 1 : (spec_.closed ? intervals_ - 1 : 0);
     const std::size_t right = k < intervals_ ? k : (spec_.closed ? 0 : intervals_ - 1);
@@ -226,19 +226,19 @@ class FrameCurves {
   static Cubic restarted(const Cubic& c, double t) {
     return {c.value(t), c.derivative(t) / 4, c.second(t) / 32, c.c3 / 64};
   }
-  /// The same way in the opposite direction of time: delta - c(1 - t).
+  /// The same curve in the opposite direction of time: delta - c(1 - t).
   static Cubic reversed(const Cubic& c, double delta) {
     return {delta - (c.c0 + (c.c1 + (c.c2 + c.c3))), c.c1 + (2 * c.c2 + 3 * c.c3), -(c.c2 + 3 * c.c3), c.c3};
   }
-  /// Quarter j of the way from rest to a slope. The acceleration is linear from 0 to A over the first quarter
-  /// and from there to M at the end.
+  /// Quarter j of the curve from rest to a slope. The acceleration is linear from 0 to A over the first
+  /// quarter and from there to M at the end.
   static Cubic from_rest_part(double delta, double slope, std::size_t j) {
     const double peak = 6 * delta - 1.5 * slope;
     const double end = 14.0 / 3 * slope - 8 * delta;
     if (j == 0) return {0, 0, 0, peak / 96};
     return restarted({peak / 96, peak / 8, peak / 2, 2 * (end - peak) / 9}, static_cast<double>(j - 1) / 4);
   }
-  /// Quarter 0 or 1 of the way from rest to rest.
+  /// Quarter 0 or 1 of the curve from rest to rest.
   static Cubic rest_to_rest(double delta, std::size_t j) {
     if (j == 0) return {0, 0, 0, delta / 12};
     return {delta / 12, delta / 4, delta / 4, -delta / 12};

@@ -32,7 +32,7 @@ class GivenRows {
                      "each segment"};
   }
 
-  /// Every way between two keys has all its parts, in order.
+  /// The path between two keys has all its parts, in order.
   [[nodiscard]] Status check_knots() const {
     FrameKnot expected;
     for (const FrameKnot& knot : spec_.knots) {
@@ -102,8 +102,8 @@ class GivenRows {
  private:
   static Error wrong_knot(std::int32_t key) {
     return {.code = ErrorCode::out_of_range,
-            .what = "a knot is not the next part of the way between two keys",
-            .remedy = "give all parts of every way, in order",
+            .what = "a knot is not the next part of the path between two keys",
+            .remedy = "give all parts between two keys, in order",
             .key = key};
   }
   static Error wrong_number(double number, std::int32_t key, std::size_t row) {

@@ -13,9 +13,9 @@
 
 namespace inbetween {
 
-/// On either side of a corner the straight way is convolved with a triangle: over h before it and h behind it
-/// the velocity goes from that of one leg to that of the other with the acceleration of a triangle, so that
-/// with D their difference
+/// On either side of a corner the straight line is convolved with a triangle: over h before it and h behind
+/// it the velocity goes from that of one leg to that of the other with the acceleration of a triangle, so
+/// that with D their difference
 ///   before: P = corner + v_before u + D (h + u)^3 / (6 h^2),  behind: P = corner + v_behind u + D (h - u)^3
 ///   / (6 h^2)
 /// and the corner is missed by D h / 6. What u counts is the time of a path over frames, and otherwise the
@@ -86,9 +86,9 @@ class RoundedCorners {
 
     [[nodiscard]] double at_begin() const { return begins_at_rest ? 2 * begin : begin; }
     [[nodiscard]] double at_end() const { return ends_at_rest ? 2 * end : end; }
-    /// The straight way between.
+    /// The straight line between.
     [[nodiscard]] double line() const { return extent - at_begin() - at_end(); }
-    /// A straight way from corner to corner: a corner of a rest is inside.
+    /// A straight line from corner to corner: a corner of a rest is inside.
     [[nodiscard]] double action() const {
       return extent - (begins_at_rest ? begin : 0) - (ends_at_rest ? end : 0);
     }
@@ -103,7 +103,7 @@ class RoundedCorners {
   static constexpr std::int32_t leg_parts = 1 << 20;
   /// Between unit directions: a corner that turns less is none, and one that lacks less to turn back stays.
   static constexpr double min_turn = 1e-12;
-  static constexpr double min_way_through = 1e-6;
+  static constexpr double min_distance_through = 1e-6;
 
   [[nodiscard]] bool by_frames() const { return !spec_.key_frames.empty(); }
   [[nodiscard]] bool is_ring() const {
@@ -141,7 +141,7 @@ class RoundedCorners {
     };
     const double turn = joined(-1);
     const double through = joined(1);
-    if (turn < min_turn || through < min_way_through) return 0;
+    if (turn < min_turn || through < min_distance_through) return 0;
     const double half = std::min(one, other) / 2;
     const double wanted = 6 * tolerance / turn;
     // A line that is left is no shorter than rounding can tell.

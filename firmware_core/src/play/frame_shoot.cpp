@@ -24,14 +24,14 @@ Status FrameShoot::check() const {
   if (!spec_.shutter) return Done{};
   for (std::size_t i = 0; i < frames_.shots.size(); ++i) {
     const std::int32_t frame = frames_.first + static_cast<std::int32_t>(i);
-    const Result<ExposureWay> way = moving_->way_of(exposure_of(frame));
-    if (way && !rest_between(way->from, way->to)) continue;
-    Error error = way ? Error{.code = ErrorCode::no_solution,
-                              .what = "the motion steps while the rig exposes it",
-                              .remedy =
-                                  "let the speed touch 0 there with ease = true or corners = \"ease\", "
-                                  "or shoot with --step"}
-                      : way.error();
+    const Result<ExposureTravel> course = moving_->travel_of(exposure_of(frame));
+    if (course && !rest_between(course->from, course->to)) continue;
+    Error error = course ? Error{.code = ErrorCode::no_solution,
+                                 .what = "the motion steps while the rig exposes it",
+                                 .remedy =
+                                     "let the speed touch 0 there with ease = true or corners = \"ease\", "
+                                     "or shoot with --step"}
+                         : course.error();
     error.frame = frame;
     return error;
   }
@@ -90,9 +90,9 @@ Status FrameShoot::shoot(std::int32_t frame) {
   }
   FrameTime stand{frame, 0};
   if (spec_.shutter) {
-    const Result<ExposureWay> way = moving_->way_of(exposure_of(frame));
-    if (!way) return way.error();
-    stand = way->from;
+    const Result<ExposureTravel> course = moving_->travel_of(exposure_of(frame));
+    if (!course) return course.error();
+    stand = course->from;
   }
   frame_ = frame;
   stand_ = stand;

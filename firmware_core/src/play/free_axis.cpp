@@ -16,7 +16,7 @@ Status check_range(double min, double max) {
   if (!std::isfinite(min) || !std::isfinite(max)) return not_finite;
   if (min < max && -min <= Precision::largest && max <= Precision::largest) return Done{};
   return Error{.code = ErrorCode::out_of_range,
-               .what = "the soft limits leave an axis no way",
+               .what = "the soft limits leave an axis no room",
                .remedy = "give a min below max"};
 }
 
@@ -51,20 +51,20 @@ SpeedRamp FreeAxis::ramp_to_rest(const RampLimits& limits) const {
   return SpeedRamp::between(state_.velocity, state_.acceleration, 0, limits);
 }
 
-/// The way of a ramp to a velocity and of the stop that follows at once.
-double FreeAxis::way_over(double velocity) const {
-  return SpeedRamp::between(state_.velocity, state_.acceleration, velocity, ramp()).way() +
-         SpeedRamp::between(velocity, 0, 0, ramp()).way();
+/// The distance of a ramp to a velocity and of the stop that follows at once.
+double FreeAxis::distance_over(double velocity) const {
+  return SpeedRamp::between(state_.velocity, state_.acceleration, velocity, ramp()).distance() +
+         SpeedRamp::between(velocity, 0, 0, ramp()).distance();
 }
 
-/// The highest speed up to `speed`, or nearly, whose way is at most `room`; the way of a stop fits into
-/// `room`. Call the speed that remains when the acceleration is released the released speed. Above it the way
-/// grows with the speed. Below it the ramp interrupts a slowing down, and the way may be longer than that of
-/// the released speed; there may be several roots, and any of them is good. While the speed rises, the way of
-/// the released speed is that of the stop, so that only rounding can make it longer than `room`; then the
-/// axis stops.
+/// The highest speed up to `speed`, or nearly, whose distance is at most `room`; the distance of a stop fits
+/// into `room`. Call the speed that remains when the acceleration is released the released speed. Above it
+/// the distance grows with the speed. Below it the ramp interrupts a slowing down, and the distance may be
+/// longer than that of the released speed; there may be several roots, and any of them is good. While the
+/// speed rises, the distance of the released speed is that of the stop, so that only rounding can make it
+/// longer than `room`; then the axis stops.
 double FreeAxis::top_speed(double direction, double speed, double room) const {
-  const auto fits = [&](double tried) { return direction * way_over(direction * tried) <= room; };
+  const auto fits = [&](double tried) { return direction * distance_over(direction * tried) <= room; };
   if (fits(speed)) return speed;
   Bracket bracket{0, speed};
   const double released = direction * SpeedRamp::released(state_.velocity, state_.acceleration, limits_.jerk);
@@ -78,19 +78,19 @@ double FreeAxis::top_speed(double direction, double speed, double room) const {
 void FreeAxis::head_for(double position, double speed, Activity activity) {
   const double room = position - state_.position;
   // An axis that would stop beyond the place has to come back: it moves in the other direction in the end.
-  const double direction = room >= ramp_to_rest(ramp()).way() ? 1.0 : double{-1};
+  const double direction = room >= ramp_to_rest(ramp()).distance() ? 1.0 : double{-1};
   const double top = top_speed(direction, speed, direction * room);
-  const double left = std::max(direction * (room - way_over(direction * top)), 0.0);
+  const double left = std::max(direction * (room - distance_over(direction * top)), 0.0);
   rise_ = SpeedRamp::between(state_.velocity, state_.acceleration, direction * top, ramp());
   fall_ = SpeedRamp::between(direction * top, 0, 0, ramp());
   even_s_ = 0;
   if (top > 0) even_s_ = left / top;
-  // The last bit of the speed leaves a short rest of the way, which takes a moment at that speed. At a slow
-  // speed that rest is rounding, so it gets at most a tick.
+  // The last bit of the speed leaves a short rest of the distance, which takes a moment at that speed. At a
+  // slow speed that rest is rounding, so it gets at most a tick.
   if (top < speed) even_s_ = std::min(even_s_, tick_s_);
   from_ = state_.position;
   end_ = position;
-  risen_ = top > 0 ? from_ + rise_.way() : end_;
+  risen_ = top > 0 ? from_ + rise_.distance() : end_;
   ticks_ = 0;
   activity_ = activity;
 }
@@ -145,7 +145,7 @@ void FreeAxis::stop() {
   fall_ = SpeedRamp();
   even_s_ = 0;
   from_ = state_.position;
-  end_ = inside(from_ + rise_.way());
+  end_ = inside(from_ + rise_.distance());
   risen_ = end_;
   ticks_ = 0;
   activity_ = Activity::stopping;
@@ -201,13 +201,13 @@ Setpoint FreeAxis::tick() {
 Setpoint FreeAxis::at(double seconds) const {
   const auto along = [](const SpeedRamp& ramp, double begin, double end, double t) {
     const RampState state = ramp.at(t);
-    return Setpoint{(state.to_end ? end : begin) + state.way, state.velocity, state.acceleration};
+    return Setpoint{(state.to_end ? end : begin) + state.distance, state.velocity, state.acceleration};
   };
   if (seconds < rise_.seconds()) return along(rise_, from_, risen_, seconds);
   const double even = seconds - rise_.seconds();
   const double velocity = rise_.to_velocity();
   if (even < even_s_) return {risen_ + velocity * even, velocity, 0};
-  return along(fall_, end_ - fall_.way(), end_, even - even_s_);
+  return along(fall_, end_ - fall_.distance(), end_, even - even_s_);
 }
 
 /// Rounding alone could pass a soft limit, by the last bits of a position. This does not put an axis inside

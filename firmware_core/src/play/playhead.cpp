@@ -47,7 +47,8 @@ Playhead::Playhead(const Move& move, const StopBounds& bounds, std::int32_t rate
 
 Status Playhead::play(Direction direction) {
   // An exposure may reach beyond an end. Nothing moves there, so that the move is played from the end itself,
-  // as if it rested there. From beyond, a repeat would take the whole way beyond for what one tick passed.
+  // as if it rested there. From beyond, a repeat would take the whole distance beyond for what one tick
+  // passed.
   const FrameTime here = std::clamp(time_, end_towards(Direction::backward), end_towards(Direction::forward));
   const bool rests = is_resting() || here != time_;
   if (rests && here == end_towards(direction)) {
@@ -262,8 +263,8 @@ void Playhead::release() {
   if (next == 0) change_ = 0;
 }
 
-/// One tick of the quickest way to a rate. The rate change a1 at its end is the largest that the bounds allow
-/// and from which the last phase, with r'' = Q, still meets the rate:
+/// One tick of the quickest change to a rate. The rate change a1 at its end is the largest that the bounds
+/// allow and from which the last phase, with r'' = Q, still meets the rate:
 ///     a1^2 <= 2 Q (gap - (a + a1) / 2 tick).
 void Playhead::follow_to(double target, const StopBounds& within) {
   // The furthest place that the tick may reach.
@@ -350,11 +351,11 @@ double Playhead::top_travel_rate() const {
 void Playhead::begin_travel(const FrameTime& to) {
   const bool backward = to < time_;
   const StopBound bounds = travel_bound(backward ? to : time_, backward ? time_ : to);
-  const double way_s = std::fabs(seconds_between(time_, to));
+  const double distance_s = std::fabs(seconds_between(time_, to));
   travel_ = {.from = time_,
              .to = to,
              .sign = backward ? double{-1} : 1.0,
-             .course = Travel::shortest(way_s, std::min(override_, top_travel_rate()), bounds)};
+             .course = Travel::shortest(distance_s, std::min(override_, top_travel_rate()), bounds)};
   state_ = PlayheadState::travelling;
 }
 
@@ -368,7 +369,7 @@ PlayheadEvent Playhead::tick_travel() {
     return PlayheadEvent::arrived;
   }
   const TravelState now = travel_.course.at(t);
-  const double frames = travel_.sign * now.way_s * fps_;
+  const double frames = travel_.sign * now.distance_s * fps_;
   time_ = now.to_end ? moved_by(travel_.to, -frames) : moved_by(travel_.from, frames);
   rate_ = travel_.sign * now.rate;
   change_ = travel_.sign * now.rate_change;
@@ -377,14 +378,14 @@ PlayheadEvent Playhead::tick_travel() {
   return ticks == travel_.closing_tick ? PlayheadEvent::closed : PlayheadEvent::none;
 }
 
-/// A stop keeps at least the bounds of the way that is left, and falls tick by tick, a little later than the
-/// travel: with the same bounds it would pass its end.
+/// A stop keeps at least the bounds of the distance that is left, and falls tick by tick, a little later than
+/// the travel: with the same bounds it would pass its end.
 bool Playhead::travel_ends_like_a_stop() const {
   if (state_ != PlayheadState::travelling || rate_ == 0) return false;
   const bool backward = travel_.sign < 0;
   const StopBound bounds = bounds_->min_between(backward ? travel_.to : time_, backward ? time_ : travel_.to);
   const double left_s = travel_.sign * seconds_between(time_, travel_.to);
-  return Travel::stop_way(travel_.sign * rate_, travel_.sign * change_, bounds, tick_s_) > left_s;
+  return Travel::stop_distance_s(travel_.sign * rate_, travel_.sign * change_, bounds, tick_s_) > left_s;
 }
 
 // --- exposures in motion
@@ -392,13 +393,13 @@ bool Playhead::travel_ends_like_a_stop() const {
 /// The rise takes no whole number of ticks, but the even stretch begins early enough for a tick to open on,
 /// and lasts until a tick. The wider the course, the lower its bounds may be, and the wider it has to be.
 Result<typename Playhead::Journey> Playhead::journey_of(const Exposure& exposure) const {
-  const double way_s = seconds_between(exposure.open, exposure.close);
-  if (!(way_s > 0 && exposure.seconds > 0)) {
+  const double distance_s = seconds_between(exposure.open, exposure.close);
+  if (!(distance_s > 0 && exposure.seconds > 0)) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an exposure in motion covers no time",
                  .remedy = "let it close after it opens, and last longer than 0 s"};
   }
-  const double rate = way_s / exposure.seconds;
+  const double rate = distance_s / exposure.seconds;
   if (rate > top_travel_rate()) {
     return Error{.code = ErrorCode::out_of_range,
                  .what = "an exposure is so short that the rig would go faster than drawn",
@@ -415,20 +416,20 @@ Result<typename Playhead::Journey> Playhead::journey_of(const Exposure& exposure
                     .course = Travel::even(rate, (rise_ticks + open_ticks) * tick_s_ - rise_s, bounds),
                     .opening_tick = static_cast<std::int64_t>(rise_ticks),
                     .closing_tick = static_cast<std::int64_t>(rise_ticks + open_ticks)};
-    const StopBound on_the_way = travel_bound(journey.from, journey.to);
-    if (on_the_way.rate_change >= bounds.rate_change && on_the_way.release_jerk >= bounds.release_jerk)
+    const StopBound within = travel_bound(journey.from, journey.to);
+    if (within.rate_change >= bounds.rate_change && within.release_jerk >= bounds.release_jerk)
       return journey;
-    bounds = on_the_way;
+    bounds = within;
   }
   return Error{.code = ErrorCode::not_converged,
                .what = "no run-up to an exposure was found",
                .remedy = "expose longer"};
 }
 
-Result<ExposureWay> Playhead::way_of(const Exposure& exposure) const {
+Result<ExposureTravel> Playhead::travel_of(const Exposure& exposure) const {
   const Result<Journey> journey = journey_of(exposure);
   if (!journey) return journey.error();
-  return ExposureWay{journey->from, journey->to};
+  return ExposureTravel{journey->from, journey->to};
 }
 
 Status Playhead::go_to_run_up(const Exposure& exposure) {

@@ -33,15 +33,15 @@ SpeedRamp SpeedRamp::between(double from_velocity, double acceleration, double t
   const RampState after_jerk = ramp.first_phase_at(ramp.jerk_s_);
   const double y = ramp.constant_s_;
   const double z = ramp.release_s_;
-  ramp.way_ = after_jerk.way + (after_jerk.velocity + ramp.peak_ * y / 2) * y +
-              (to_velocity - ramp.jerk_ * z * z / 6) * z;
+  ramp.distance_ = after_jerk.distance + (after_jerk.velocity + ramp.peak_ * y / 2) * y +
+                   (to_velocity - ramp.jerk_ * z * z / 6) * z;
   return ramp;
 }
 
 RampState SpeedRamp::first_phase_at(double seconds) const {
   const double t = seconds;
   const double gained = jerk_ * t;
-  return {.way = (from_velocity_ + (from_acceleration_ / 2 + gained / 6) * t) * t,
+  return {.distance = (from_velocity_ + (from_acceleration_ / 2 + gained / 6) * t) * t,
           .to_end = false,
           .velocity = from_velocity_ + (from_acceleration_ + gained / 2) * t,
           .acceleration = from_acceleration_ + gained};
@@ -52,14 +52,14 @@ RampState SpeedRamp::at(double seconds) const {
   const double left = this->seconds() - seconds;
   if (left <= release_s_) {
     const double a = jerk_ * left;
-    return {.way = -(to_velocity_ - a * left / 6) * left,
+    return {.distance = -(to_velocity_ - a * left / 6) * left,
             .to_end = true,
             .velocity = to_velocity_ - a * left / 2,
             .acceleration = a};
   }
   const RampState after_jerk = first_phase_at(jerk_s_);
   const double y = seconds - jerk_s_;
-  return {.way = after_jerk.way + (after_jerk.velocity + peak_ * y / 2) * y,
+  return {.distance = after_jerk.distance + (after_jerk.velocity + peak_ * y / 2) * y,
           .to_end = false,
           .velocity = after_jerk.velocity + peak_ * y,
           .acceleration = peak_};

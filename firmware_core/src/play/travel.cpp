@@ -25,26 +25,26 @@ Travel Travel::even(double rate, double even_s, const StopBound& bounds) {
   return travel;
 }
 
-Travel Travel::shortest(double way_s, double top_rate, const StopBound& bounds) {
+Travel Travel::shortest(double distance_s, double top_rate, const StopBound& bounds) {
   const double change = bounds.rate_change;
   const double jerk = bounds.release_jerk;
   const double jerk_s = change / jerk;
   double rate = top_rate;
-  if (rate * rise_to(rate, bounds) > way_s) {
-    const double t = cube_root(way_s / (2 * jerk));
+  if (rate * rise_to(rate, bounds) > distance_s) {
+    const double t = cube_root(distance_s / (2 * jerk));
     rate = jerk * t * t;
     if (rate > change * jerk_s) {
-      const double root = std::sqrt(jerk_s * jerk_s + 4 * way_s / change);
+      const double root = std::sqrt(jerk_s * jerk_s + 4 * distance_s / change);
       rate = change / 2 * (root - jerk_s);
     }
   }
   Travel travel = even(rate, 0, bounds);
-  if (rate > 0) travel.even_s_ = std::max(way_s / rate - travel.rise_s_, 0.0);
+  if (rate > 0) travel.even_s_ = std::max(distance_s / rate - travel.rise_s_, 0.0);
   return travel;
 }
 
 /// Three phases: -J until r' = -peak, then r'' = 0, then +J.
-double Travel::stop_way(double rate, double rate_change, const StopBound& bounds, double tick_s) {
+double Travel::stop_distance_s(double rate, double rate_change, const StopBound& bounds, double tick_s) {
   const double j = bounds.release_jerk;
   const double fall = -rate_change;
   const double peak = std::max(std::min(bounds.rate_change, std::sqrt(j * rate + fall * fall / 2)), fall);
@@ -53,9 +53,9 @@ double Travel::stop_way(double rate, double rate_change, const StopBound& bounds
   const double release_rate = peak * release_s / 2;
   const double steep_rate = rate - steeper_s * (fall + peak) / 2;
   const double even_s = std::max((steep_rate - release_rate) / peak, 0.0);
-  const double way_s = steeper_s * (rate - steeper_s * (fall / 2 + steeper_s * j / 6)) +
-                       even_s * (steep_rate + release_rate) / 2 + release_s * release_rate / 3;
-  return way_s + j * tick_s * tick_s * (steeper_s + even_s + release_s);
+  const double distance_s = steeper_s * (rate - steeper_s * (fall / 2 + steeper_s * j / 6)) +
+                            even_s * (steep_rate + release_rate) / 2 + release_s * release_rate / 3;
+  return distance_s + j * tick_s * tick_s * (steeper_s + even_s + release_s);
 }
 
 TravelState Travel::at(double seconds) const {

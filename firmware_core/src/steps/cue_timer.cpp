@@ -29,8 +29,8 @@ std::uint64_t bit_of(std::int32_t line) {
 
 }  // namespace
 
-/// The variable is the share 0..1 of the tick. Forward on the unfolded way is positive.
-struct CueTimer::Way {
+/// The variable is the share 0..1 of the tick. Forward on the unfolded time line is positive.
+struct CueTimer::TickMotion {
   double frames = 0;    ///< of the whole tick
   Quintic c{};          ///< frames(u) = c[1] u + c[2] u^2 + ...
   bool is_cut = false;  ///< the playhead comes to an end: only c[1] and c[2] count, until there
@@ -38,18 +38,18 @@ struct CueTimer::Way {
   std::int64_t tick_ns = 0;
 
   /// The share at which c[1] and c[2] alone have come so far, above 1 if they do not within the tick.
-  [[nodiscard]] double cut_share(double way) const {
-    const double under_root = c[1] * c[1] + 4 * c[2] * way;
+  [[nodiscard]] double cut_share(double distance) const {
+    const double under_root = c[1] * c[1] + 4 * c[2] * distance;
     if (!(c[1] > 0) || under_root < 0) return 2;
-    return 2 * way / (c[1] + std::sqrt(under_root));
+    return 2 * distance / (c[1] + std::sqrt(under_root));
   }
-  /// 0 <= way <= frames.
-  [[nodiscard]] std::int64_t time_ns(double way) const {
-    double share = cut_share(way);
+  /// 0 <= distance <= frames.
+  [[nodiscard]] std::int64_t time_ns(double distance) const {
+    double share = cut_share(distance);
     if (!is_cut) {
-      share = way <= 0 ? 0.0 : 1.0;
-      if (way > 0 && way < frames) {
-        share = bisected({0, 1}, halvings, [&](double u) { return value_at(c, u) < way; }).high;
+      share = distance <= 0 ? 0.0 : 1.0;
+      if (distance > 0 && distance < frames) {
+        share = bisected({0, 1}, halvings, [&](double u) { return value_at(c, u) < distance; }).high;
       }
     }
     const auto length = static_cast<double>(tick_ns);
@@ -57,10 +57,10 @@ struct CueTimer::Way {
   }
 };
 
-/// The way between two turns, or within one tick.
+/// The stretch between two turns, or within one tick.
 struct CueTimer::Leg {
   FrameTime from, to;
-  double way = 0;  ///< frames into the tick at its beginning
+  double distance = 0;  ///< frames into the tick at its beginning
   bool is_forward = true;
 };
 
@@ -163,38 +163,38 @@ void CueTimer::go_through(const CueTick& tick, Output& out) {
   const FrameTime other_end = is_forward ? first_ : last_;
   const FrameTime again = turns ? end : other_end;
   const double to_end = std::fabs(frames_between(from, end));
-  Way way{.frames = tick.repeated == Repeat::none ? std::fabs(frames_between(from, to))
-                                                  : to_end + std::fabs(frames_between(again, to)),
-          .start_ns = tick.start_ns,
-          .tick_ns = tick.end_ns - tick.start_ns};
-  if (!(way.frames > 0)) return;
-  const double tick_s = static_cast<double>(way.tick_ns) * 1e-9;
+  TickMotion motion{.frames = tick.repeated == Repeat::none ? std::fabs(frames_between(from, to))
+                                                            : to_end + std::fabs(frames_between(again, to)),
+                    .start_ns = tick.start_ns,
+                    .tick_ns = tick.end_ns - tick.start_ns};
+  if (!(motion.frames > 0)) return;
+  const double tick_s = static_cast<double>(motion.tick_ns) * 1e-9;
   const double sign = is_forward ? 1.0 : double{-1};
   const double sign_after = turns ? -sign : sign;
   const double begin_rate = sign * tick.from.rate * fps_ * tick_s;
   const double end_rate = sign_after * tick.to.rate * fps_ * tick_s;
   const double begin_change = sign * tick.from.rate_change * fps_ * tick_s * tick_s;
   const double end_change = sign_after * tick.to.rate_change * fps_ * tick_s * tick_s;
-  way.c = joining({0, begin_rate, begin_change}, {way.frames, end_rate, end_change});
+  motion.c = joining({0, begin_rate, begin_change}, {motion.frames, end_rate, end_change});
   const bool rests_at_end = tick.repeated == Repeat::none && to == end && end_rate == 0 && end_change == 0;
-  way.is_cut = rests_at_end && way.cut_share(way.frames) <= 1 + share_rounding;
+  motion.is_cut = rests_at_end && motion.cut_share(motion.frames) <= 1 + share_rounding;
   if (tick.repeated == Repeat::none) {
-    go({from, to, 0, is_forward}, way, out);
+    go({from, to, 0, is_forward}, motion, out);
     return;
   }
-  go({from, end, 0, is_forward}, way, out);
+  go({from, end, 0, is_forward}, motion, out);
   next_ = first_at(again);
-  go({again, to, to_end, is_forward != turns}, way, out);
+  go({again, to, to_end, is_forward != turns}, motion, out);
 }
 
-void CueTimer::go(const Leg& leg, const Way& way, Output& out) {
+void CueTimer::go(const Leg& leg, const TickMotion& motion, Output& out) {
   if (!leg.is_forward) {
     next_ = first_at(leg.to);
     return;
   }
   Range due{next_, first_behind(leg.to)};
   for (; due.first < due.last; ++due.first) {
-    const std::int64_t at_ns = way.time_ns(leg.way + frames_between(leg.from, pulses_[due.first].at));
+    const std::int64_t at_ns = motion.time_ns(leg.distance + frames_between(leg.from, pulses_[due.first].at));
     if (at_ns >= out.end_ns) break;
     begin(due.first, std::max(at_ns, out.latest_ns), out);
   }

@@ -151,10 +151,11 @@ class StepCrossings {
 };
 
 inline StepCrossings::StepCrossings(const StepMotion& start, const StepMotion& end, std::int32_t end_count) {
-  const double way = end.x - start.x;
-  // The speed lies between the lowest and the highest of its Bernstein coefficients. Their mean is the way.
+  const double distance = end.x - start.x;
+  // The speed lies between the lowest and the highest of its Bernstein coefficients. Their mean is the
+  // distance.
   const std::array<double, 4> outer{start.v, start.v + start.a / 4, end.v - end.a / 4, end.v};
-  const double middle = 5 * way - ((outer[0] + outer[1]) + (outer[2] + outer[3]));
+  const double middle = 5 * distance - ((outer[0] + outer[1]) + (outer[2] + outer[3]));
   const auto [lowest, highest] = std::minmax_element(outer.begin(), outer.end());
   const double low = std::min(*lowest, middle);
   const double high = std::max(*highest, middle);

@@ -250,14 +250,15 @@ Result<std::size_t> StepGenerator::advance(const Setpoint& end, std::span<StepEd
   };
   const StepPosition from = step_position(state_.at.position, spec_.steps_per_unit);
   const StepPosition to = step_position(end.position, spec_.steps_per_unit);
-  const std::int64_t way = to.nearest - from.nearest;
-  if (way > max_steps_ || -way > max_steps_) return too_many(way > 0 ? way : -way);
+  const std::int64_t distance = to.nearest - from.nearest;
+  if (distance > max_steps_ || -distance > max_steps_) return too_many(distance > 0 ? distance : -distance);
   const double tick_s = static_cast<double>(spec_.tick_ns) * 1e-9;
   const double per_tick = spec_.steps_per_unit * tick_s;
   const StepCrossings crossings(
       {from.rest, state_.at.velocity * per_tick, state_.at.acceleration * per_tick * tick_s},
-      {static_cast<double>(way) + to.rest, end.velocity * per_tick, end.acceleration * per_tick * tick_s},
-      static_cast<std::int32_t>(way));
+      {static_cast<double>(distance) + to.rest, end.velocity * per_tick,
+       end.acceleration * per_tick * tick_s},
+      static_cast<std::int32_t>(distance));
   if (crossings.count() < 0) return too_many(-1);
   if (crossings.count() > max_steps_) return too_many(crossings.count());
 

@@ -41,7 +41,7 @@ class Adjustment {
       const std::int32_t row = attempt(f);
       if (row < 0) return timing(f, refinements);
       blame(locks_[static_cast<std::size_t>(row) + 1]);
-      // That the last key is met on the last frame is nobody's wish; the key before it is in the way.
+      // That the last key is met on the last frame is nobody's request; the key before it is in the way.
       if (row > 0 && static_cast<std::size_t>(row) + 2 == locks_.size()) {
         blame(locks_[static_cast<std::size_t>(row)]);
       }
@@ -107,8 +107,8 @@ class Adjustment {
   }
   /// Whether the author gave the key its frame.
   [[nodiscard]] bool is_locked(const KeyLock& lock) const {
-    const auto wish = std::ranges::lower_bound(spec_.locks, lock.key, {}, &KeyLock::key);
-    return wish != spec_.locks.end() && wish->key == lock.key && wish->frame >= 0;
+    const auto request = std::ranges::lower_bound(spec_.locks, lock.key, {}, &KeyLock::key);
+    return request != spec_.locks.end() && request->key == lock.key && request->frame >= 0;
   }
 
   void blame(const KeyLock& lock) {

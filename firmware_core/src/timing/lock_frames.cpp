@@ -9,13 +9,13 @@
 namespace inbetween {
 namespace {
 
-Error wish_error(const char* what, const char* remedy, const KeyLock& lock) {
+Error request_error(const char* what, const char* remedy, const KeyLock& lock) {
   return {
       .code = ErrorCode::out_of_range, .what = what, .remedy = remedy, .key = lock.key, .frame = lock.frame};
 }
 
-/// When the drawn curve arrives at the key of every wish, as a share of the time that it moves. The keys are
-/// in order, so that one walk along the curve finds them all.
+/// When the drawn curve arrives at the key of every request, as a share of the time that it moves. The keys
+/// are in order, so that one walk along the curve finds them all.
 void find_arrivals(const KeyTimingSpec& spec, std::span<double> arrivals) {
   const std::size_t f = spec.control_values.size() - 1;
   const auto span_at = [&](std::size_t i) { return speed_span(spec.control_values, i, spec.ends); };
@@ -76,30 +76,30 @@ double distance_of(const KeyTimingSpec& spec, const KeyLock& lock) {
   return spec.key_distances[static_cast<std::size_t>(lock.key)];
 }
 
-/// `drawn`: the frame of `lock` is where the curve arrives, and nobody's wish.
+/// `drawn`: the frame of `lock` is where the curve arrives, and nobody's request.
 Error on_one_frame(const KeyTimingSpec& spec, const KeyLock& before, const KeyLock& lock, bool drawn) {
   if (!drawn) {
-    return wish_error("this key is to be met on the frame of the locked key before it",
-                      "give the two keys different frames", lock);
+    return request_error("this key is to be met on the frame of the locked key before it",
+                         "give the two keys different frames", lock);
   }
   if (distance_of(spec, lock) != distance_of(spec, before)) {
-    return wish_error("the speed touches 0 just before this key, and both fall on one frame",
-                      "move the key, or keep the path between its keys with overshoot = false", lock);
+    return request_error("the speed touches 0 just before this key, and both fall on one frame",
+                         "move the key, or keep the path between its keys with overshoot = false", lock);
   }
   if (before.key == 0) {
-    return wish_error("the key before it is in the same place, and the move begins there",
-                      "remove this key, and give the first its hold, if it has one", lock);
+    return request_error("the key before it is in the same place, and the move begins there",
+                         "remove this key, and give the first its hold, if it has one", lock);
   }
-  return wish_error("the key before it is in the same place, and both rest or ease on one frame",
-                    "remove one of the two, and give the other the hold or the ease", lock);
+  return request_error("the key before it is in the same place, and both rest or ease on one frame",
+                       "remove one of the two, and give the other the hold or the ease", lock);
 }
 
 Error no_frame_behind(const KeyTimingSpec& spec, const KeyLock& lock) {
   if (distance_of(spec, lock) == spec.key_distances.back()) {
-    return wish_error("this key is in the place where the move ends",
-                      "remove the keys behind it, and its ease if it has one", lock);
+    return request_error("this key is in the place where the move ends",
+                         "remove the keys behind it, and its ease if it has one", lock);
   }
-  return wish_error("this key leaves no frame for the keys behind it", "give it an earlier frame", lock);
+  return request_error("this key leaves no frame for the keys behind it", "give it an earlier frame", lock);
 }
 
 }  // namespace
@@ -117,9 +117,9 @@ Result<std::size_t> complete_locks(const KeyTimingSpec& spec, std::span<KeyLock>
   }
   std::size_t count = 0;
   out[count++] = {.key = 0, .frame = 0};
-  for (const KeyLock& wish : spec.locks) {
-    if (wish.key < 0 || wish.key > last_key) {
-      return wish_error("there is no such key", "count the keys from 0", wish);
+  for (const KeyLock& request : spec.locks) {
+    if (request.key < 0 || request.key > last_key) {
+      return request_error("there is no such key", "count the keys from 0", request);
     }
   }
   const bool has_frames =
@@ -129,30 +129,31 @@ Result<std::size_t> complete_locks(const KeyTimingSpec& spec, std::span<KeyLock>
     KeyLock lock = spec.locks[i];
     const bool is_end = spec.ends == CurveEnds::natural && lock.key == 0;
     if (lock.ease && (is_end || lock.key == last_key)) {
-      return wish_error("the speed eases at an end of the move by the curve itself",
-                        "remove ease, and draw 0, 0 at that end of the speed curve", lock);
+      return request_error("the speed eases at an end of the move by the curve itself",
+                           "remove ease, and draw 0, 0 at that end of the speed curve", lock);
     }
     if (lock.frame < 0) lock.frame = arrival_frame(spec, arrivals, i);
     const std::int32_t end = lock.frame + lock.hold;
     if (end > spec.frames) {
-      return wish_error("this key would be left after the last frame",
-                        "give it an earlier frame or a shorter hold", lock);
+      return request_error("this key would be left after the last frame",
+                           "give it an earlier frame or a shorter hold", lock);
     }
     KeyLock& before = out[count - 1];
     if (lock.key == 0) {
-      if (lock.frame != 0) return wish_error("the first key is met on frame 0", "remove its frame", lock);
+      if (lock.frame != 0) return request_error("the first key is met on frame 0", "remove its frame", lock);
       before = lock;
       continue;
     }
     if (lock.key == last_key && end != spec.frames) {
-      return wish_error("the last key is met on the last frame", "remove its frame, or change frames", lock);
+      return request_error("the last key is met on the last frame", "remove its frame, or change frames",
+                           lock);
     }
     const std::int32_t left = before.frame + before.hold;
     if (lock.frame == left && lock.key != before.key)
       return on_one_frame(spec, before, lock, spec.locks[i].frame < 0);
     if (lock.frame < left) {
-      return wish_error("this key is to be met before the locked key in front of it",
-                        "give the keys frames in their own order", lock);
+      return request_error("this key is to be met before the locked key in front of it",
+                           "give the keys frames in their own order", lock);
     }
     out[count++] = lock;
   }

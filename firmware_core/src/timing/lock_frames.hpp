@@ -9,11 +9,11 @@
 
 namespace inbetween {
 
-/// Writes every wish with its frame, between the two ends of the move, and returns how many there are.
+/// Writes every request with its frame, between the two ends of the move, and returns how many there are.
 /// A hold without a frame begins where the drawn curve arrives, played between the locks with a frame on
 /// either side in the frames that are no holds.
-/// Errors: those of adjust_to_locks that need no curve. `out` has room for two locks more than the wishes,
-/// `arrivals`, which serve on the way, for as many. Cost: linear in control values and wishes.
+/// Errors: those of adjust_to_locks that need no curve. `out` has room for two locks more than the requests,
+/// `arrivals`, which serve in between, for as many. Cost: linear in control values and requests.
 Result<std::size_t> complete_locks(const KeyTimingSpec& spec, std::span<KeyLock> out,
                                    std::span<double> arrivals);
 

@@ -20,17 +20,19 @@ inline double frame_of(const Track& track, const CurvePlace& place) {
 /// The first time behind frame 0, to the last bit, at which `target` plus `offset` is travelled; the end
 /// where it is not.
 inline FrameTime first_time(const Track& track, const TwoSum& target, double offset) {
-  const auto way_beyond = [&](const FrameTime& time) { return track.distance(time).minus(target) - offset; };
+  const auto distance_beyond = [&](const FrameTime& time) {
+    return track.distance(time).minus(target) - offset;
+  };
   std::int32_t before = 0;
   std::int32_t reached = track.frames();
   while (reached - before > 1) {
     const std::int32_t middle = before + (reached - before) / 2;
-    (way_beyond({middle, 0}) >= 0 ? reached : before) = middle;
+    (distance_beyond({middle, 0}) >= 0 ? reached : before) = middle;
   }
-  if (!(way_beyond({reached, 0}) >= 0)) return {reached, 0};
+  if (!(distance_beyond({reached, 0}) >= 0)) return {reached, 0};
   constexpr int halvings = std::numeric_limits<double>::digits;
-  const auto beyond = [&](double fraction) { return way_beyond({before, fraction}); };
-  const auto is_before = [](double way) { return !(way >= 0); };
+  const auto beyond = [&](double fraction) { return distance_beyond({before, fraction}); };
+  const auto is_before = [](double distance) { return !(distance >= 0); };
   const SpeedProfile& profile = track.profile();
   const std::int32_t first = track.place({before, 0}).span;
   const std::int32_t last = track.place({reached, 0}).span;
@@ -41,8 +43,9 @@ inline FrameTime first_time(const Track& track, const TwoSum& target, double off
       return track.constant() * profile.span(place.span).value(place.t) *
              static_cast<double>(profile.span_count()) / static_cast<double>(track.frames());
     };
-    const double way = track.constant() * (profile.span(first).integral() + profile.span(last).integral());
-    high = bisected_near_zero({0, 1}, halvings, distance_rounding * way, beyond, slope, is_before).high;
+    const double distance =
+        track.constant() * (profile.span(first).integral() + profile.span(last).integral());
+    high = bisected_near_zero({0, 1}, halvings, distance_rounding * distance, beyond, slope, is_before).high;
   } else {
     high = bisected({0, 1}, halvings, [&](double fraction) { return is_before(beyond(fraction)); }).high;
   }

@@ -12,16 +12,16 @@
 namespace inbetween {
 namespace {
 
-/// Frames whose ways stand on the stack at a time: enough to fill the vector registers often, less than 1 KB
-/// in double precision.
+/// Frames whose lengths stand on the stack at a time: enough to fill the vector registers often, less than 1
+/// KB in double precision.
 constexpr std::size_t frames_per_block = 120;
 
-/// The ways of frames of one span; `phase` is that of the first, in parts of a span.
-INBETWEEN_PROCESSOR_CLONES void find_ways(const SpanDistance& span, std::int32_t phase, std::int32_t step,
-                                          double part, std::span<double> ways) {
+/// The lengths to frames of one span; `phase` is that of the first, in parts of a span.
+INBETWEEN_PROCESSOR_CLONES void find_lengths(const SpanDistance& span, std::int32_t phase, std::int32_t step,
+                                             double part, std::span<double> lengths) {
   const SpanDistance own = span;
-  for (double& way : ways) {
-    way = own.way(static_cast<double>(phase) * part);
+  for (double& length : lengths) {
+    length = own.length(static_cast<double>(phase) * part);
     phase += step;
   }
 }
@@ -156,7 +156,7 @@ inline std::uint8_t pass_in_time(const ParameterRates& s, std::span<AxisMotion> 
 constexpr int distance_roundings = 2;
 
 /// Whether P' = 0 is further away than `rounding` for sure, as it is nearly everywhere: the comparison of
-/// Standstill::distance() for both ways in which a path comes to rest, without a root.
+/// Standstill::distance() for both manners in which a path comes to rest, without a root.
 bool is_far_from_standstill(const SlopeProducts& p, double rounding) {
   const double square = rounding * rounding;
   return p.is_in_range() && p.p11 * p.p11 > 4 * square * p.p22 &&
@@ -252,7 +252,7 @@ bool Track::locate_frames(std::int32_t first, std::span<PathPoint> points) const
       points[i] = locate({first + static_cast<std::int32_t>(i), 0});
     return false;
   }
-  std::array<double, frames_per_block> ways;
+  std::array<double, frames_per_block> lengths;
   const std::int32_t f = profile_.span_count();
   const bool has_last = !points.empty() && first + static_cast<std::int32_t>(points.size()) > frames_;
   if (has_last) points.back() = {path_.segment_count(), 0};  // no point is behind it
@@ -264,9 +264,9 @@ bool Track::locate_frames(std::int32_t first, std::span<PathPoint> points) const
     const std::int32_t phase = scaled - index * frames_;
     const std::int32_t in_span = (frames_ - phase - 1) / f + 1;
     const std::span<double> run =
-        std::span(ways).first(std::min({ways.size(), total - done, static_cast<std::size_t>(in_span)}));
+        std::span(lengths).first(std::min({lengths.size(), total - done, static_cast<std::size_t>(in_span)}));
     const SpanDistance& span = span_distances_[static_cast<std::size_t>(index)];
-    find_ways(span, phase, f, inverse_frames_, run);
+    find_lengths(span, phase, f, inverse_frames_, run);
     const bool run_in_order = arc_length_.locate(span.begin, run, points.subspan(done, run.size()));
     in_order = in_order && run_in_order && (done == 0 || points[done - 1].at_or_before(points[done]));
     done += run.size();

@@ -5,7 +5,7 @@
 
 #include "inbetween/timing/track.hpp"
 
-/// The ways of timing a track: a drawn curve, a drawn curve in portions, or a frame for every key.
+/// The kinds of timing of a track: a drawn curve, a drawn curve in portions, or a frame for every key.
 
 namespace inbetween {
 namespace {
@@ -40,7 +40,7 @@ TwoSum solve_constant(const TwoSum& length, const TwoSum& integral) {
 }
 
 /// `constant` times the integral of a span of the curve, in powers of t.
-std::array<double, 4> way_over(const SpeedSpan& span, double constant) {
+std::array<double, 4> distance_over(const SpeedSpan& span, double constant) {
   const double rise = span.b1 - span.b0;
   return {constant * span.b0, constant * (1.5 * rise), constant * ((span.b2 - span.b1) - rise),
           constant * (((span.b3 - span.b0) - 3 * (span.b2 - span.b1)) / 4)};
@@ -123,7 +123,7 @@ Status check_knots(const Path& path, Kinetic kinetic) {
     return Done{};
   }
   return Error{.code = ErrorCode::out_of_range,
-               .what = "the path and the way of timing do not go together",
+               .what = "the path and the kind of timing do not go together",
                .remedy = "make the path over the frames of its keys for curves, and for nothing else"};
 }
 
@@ -158,7 +158,7 @@ Result<Track> Track::make(const Path& path, const ArcLength& arc_length, const S
     const bool arrived = integral == profile.integral_before(profile.span_count());
     SpanDistance& span = memory.span_distances[i];
     span.begin = arrived ? length : distance;
-    if (i < f) span.c = way_over(profile.span(static_cast<std::int32_t>(i)), constant.high);
+    if (i < f) span.c = distance_over(profile.span(static_cast<std::int32_t>(i)), constant.high);
   }
   Track track(path, arc_length, profile, frames, fps);
   track.span_distances_ = memory.span_distances.first(f + 1);
@@ -199,8 +199,8 @@ Result<Track> Track::make_with_breaks(const Path& path, const ArcLength& arc_len
     const double covered = integral.minus(integral_before);
     if (!(covered >= Precision::smallest_square_root) && length > 0) {
       return Error{.code = ErrorCode::no_distance,
-                   .what = covered > 0 ? "the speed curve is too near zero on the whole way to this key"
-                                       : "the speed curve is zero on the whole way to this key",
+                   .what = covered > 0 ? "the speed curve is too near zero on the whole path to this key"
+                                       : "the speed curve is zero on the whole path to this key",
                    .remedy = "raise a control value there above 0",
                    .key = end.key,
                    .frame = end.frame};

@@ -79,11 +79,11 @@ inline Bernstein between_rows(const Trajectory& trajectory, const TrajectoryPiec
   const double* end = &trajectory.values()[piece.end_row + first * axes];
   Bernstein result;
   result.degree = degree;
-  const double way = end[axis] - begin[axis];
+  const double distance = end[axis] - begin[axis];
   for (std::size_t i = 0; i < known_of(degree); ++i) {
     // b_i = sum over j of binomial(i, j) (n - j)! / n! h^j f^(j), from either end.
     double left = 0;
-    double right = way;
+    double right = distance;
     double factor = 1;  // binomial(i, j) (n - j)! / n! h^j
     for (std::size_t j = 1; j <= i; ++j) {
       factor *= static_cast<double>(i - j + 1) / static_cast<double>(j) * piece.seconds /
@@ -124,10 +124,10 @@ INBETWEEN_PART_OF_CLONES void visit_derivatives(const PieceRows& rows, double se
     end[j - first] = group_of<Number>(rows.end + j * rows.axes, rows.axes, axis);
   }
   std::array<Number, 8> c;
-  const Number way = end[0] - begin[0];
+  const Number distance = end[0] - begin[0];
   for (std::size_t i = 0; i < known_of(degree); ++i) {
     Number left(0);
-    Number right = way;
+    Number right = distance;
     double factor = 1;
     for (std::size_t j = 1; j <= i; ++j) {
       factor *= static_cast<double>(i - j + 1) / static_cast<double>(j) * seconds /

@@ -71,7 +71,7 @@ Result<int> halvings_of(const Trajectory& trajectory, const TrajectoryPiece& pie
   for (std::size_t axis = 0; axis < trajectory.axis_count(); ++axis) {
     const double scale = std::fabs(counts_per_unit[axis]);
     const double begin = trajectory.values()[piece.begin_row + axis] * scale;
-    const PiecePolynomial whole = way_on_piece(trajectory, piece, axis);
+    const PiecePolynomial whole = distance_on_piece(trajectory, piece, axis);
     if (!(std::fabs(begin) + terms_of(whole) * scale <= max_position))
       return not_playable("a position does not fit 32 bits of counts", axis);
     const auto is_small = [&] {
@@ -172,7 +172,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     if (is_full()) return too_small(trajectory, counts_per_unit);
     memory.pieces[count].begin = in_float(stretch.begin);
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      const PiecePolynomial c = part_of(way_on_piece(trajectory, piece, axis), stretch.from, stretch.to);
+      const PiecePolynomial c = part_of(distance_on_piece(trajectory, piece, axis), stretch.from, stretch.to);
       memory.polynomials[count * axes + axis] =
           in_counts(c, trajectory.values()[piece.begin_row + axis], counts_per_unit[axis]);
     }
@@ -191,7 +191,7 @@ Result<CountTrajectory> CountTrajectory::make(const Trajectory& trajectory,
     if (!is_whole) {
       const TrajectoryPiece& piece = trajectory.pieces()[trajectory.piece_at(trajectory.end())];
       const double u = frames_between(piece.begin, trajectory.end()) * piece.inverse_frames;
-      rest[0] = part_of(way_on_piece(trajectory, piece, axis), u, 1)[0];
+      rest[0] = part_of(distance_on_piece(trajectory, piece, axis), u, 1)[0];
       position = trajectory.values()[piece.begin_row + axis];
     }
     memory.polynomials[count * axes + axis] = in_counts(rest, position, counts_per_unit[axis]);

@@ -139,7 +139,7 @@ class JointList {
   static bool has_points(const SampledJoint& a, const SampledJoint& b) {
     return a.point_after.segment != nowhere && b.point_before.segment != nowhere;
   }
-  [[nodiscard]] double way_between(const SampledJoint& a, const SampledJoint& b) const {
+  [[nodiscard]] double distance_between(const SampledJoint& a, const SampledJoint& b) const {
     const auto distance = [&](const PathPoint& point) {
       return track_.arc_length().distance(track_.path(), point);
     };
@@ -148,7 +148,7 @@ class JointList {
   /// At one moment, or nearer to each other along the path than the time of a place is known.
   [[nodiscard]] bool are_one(const SampledJoint& a, const SampledJoint& b) const {
     if (frames_between(a.time, b.time) <= same_moment) return true;
-    return has_points(a, b) && way_between(a, b) <= 4 * lock_share * track_.arc_length().total();
+    return has_points(a, b) && distance_between(a, b) <= 4 * lock_share * track_.arc_length().total();
   }
   /// In time; of one moment knots of the curve, breaks, and passings in the order of the path: whatever the
   /// library sorts with, the order is the same.
@@ -168,7 +168,7 @@ class JointList {
   /// A knot of the curve knows the time and its spans, a knot of the path its points, a break its constants.
   void join(SampledJoint& into, const SampledJoint& other) const {
     if (has_points(into, other) && (into.key < 0 || other.key < 0))
-      into.passed_by = std::max(into.passed_by, 2 * std::fabs(way_between(into, other)));
+      into.passed_by = std::max(into.passed_by, 2 * std::fabs(distance_between(into, other)));
     if (is_inside(into.curve_after) && !is_inside(other.curve_after)) take_time(into, other);
     if (other.point_after.segment != nowhere) {
       const bool is_alone = into.point_before.segment == nowhere;
@@ -194,7 +194,7 @@ class JointList {
   const Track& track_;
   std::span<SampledJoint> memory_;
   std::size_t count_ = 0;
-  PathPoint first_, last_;  ///< of the way that has a length
+  PathPoint first_, last_;  ///< of the path that has a length
 };
 
 /// A segment whose cubics are multiples of one: a line, on which only the pace changes, however it turns
@@ -227,13 +227,13 @@ class Line {
   void write(const AlongPath& along, bool is_joint, bool arriving, std::span<AxisMotion> out) const {
     const Cubic& longest = cubics_[largest_];
     const double t = along.point.t;
-    double way = longest.derivative(t);
+    double slope = longest.derivative(t);
     const std::array<double, 3> terms = of(largest_);
     const double size = std::fabs(terms[0]) + std::fabs(terms[1]) + std::fabs(terms[2]);
-    if (std::fabs(way) <= (is_joint ? rounding * size : 0))
-      way = arriving ? -longest.second(t) : longest.second(t);
-    if (way == 0) way = longest.third();
-    const double sign = way < 0 ? -1 : 1;
+    if (std::fabs(slope) <= (is_joint ? rounding * size : 0))
+      slope = arriving ? -longest.second(t) : longest.second(t);
+    if (slope == 0) slope = longest.third();
+    const double sign = slope < 0 ? -1 : 1;
     double squares = 0;
     for (std::size_t d = 0; d < cubics_.size(); ++d)
       squares += weights_[d] * ratio(d) * weights_[d] * ratio(d);
@@ -285,7 +285,7 @@ PathPoint point_at(const Track& track, const TwoSum& distance, SampledSegment& k
     if (std::fabs(off) <= rounding || here.speed == 0) break;
     const double last = point.t;
     point.t = std::clamp(last - off / here.speed, 0.0, 1.0);
-    // Newton's step leaves what the distance bends on its way, half of the change of speed times the step.
+    // Newton's step leaves what the distance bends meanwhile, half of the change of speed times the step.
     const double changed = speed.unit() * speed.at(point.t) - here.speed;
     if (std::fabs(changed * (point.t - last)) <= rounding) break;
   }
@@ -350,14 +350,14 @@ class Standing {
 
 /// Calls `take` with an axis and how far from its position at a point it is at a distance before and behind.
 template <class Take>
-void look_beside(const Track& track, const PathPoint& point, double way, const Take& take) {
+void look_beside(const Track& track, const PathPoint& point, double offset, const Take& take) {
   const std::int32_t segments = track.path().segment_count();
   const std::span<const Cubic> here =
       track.path().segment(std::min<std::int32_t>(point.segment, segments - 1));
   const double t = point.segment < segments ? point.t : 1;
   const TwoSum distance = track.arc_length().distance(track.path(), point);
   SampledSegment known;
-  for (const double side : {-way, way}) {
+  for (const double side : {-offset, offset}) {
     TwoSum aside = distance;
     aside.add(side);
     const PathPoint beside = point_at(track, aside, known);
@@ -427,9 +427,9 @@ SampledSpeed sample_drawn(const Track& track, const FrameTime& time, SampledSegm
                       known, out);
 }
 
-void write_reach_along(const Track& track, const PathPoint& point, double way, std::span<double> out) {
+void write_reach_along(const Track& track, const PathPoint& point, double offset, std::span<double> out) {
   std::fill(out.begin(), out.end(), 0.0);
-  look_beside(track, point, way, [&](std::size_t d, double reach) { out[d] = std::max(out[d], reach); });
+  look_beside(track, point, offset, [&](std::size_t d, double reach) { out[d] = std::max(out[d], reach); });
 }
 
 bool has_unbounded_turn(const Track& track, const PathPoint& point, std::size_t axis) {

@@ -32,7 +32,7 @@ SampledSpeed sample_drawn(const Track& track, const FrameTime& time, SampledSegm
                           std::span<AxisMotion> out);
 
 /// How far from its position at a point every axis is within so much of the distance along the path.
-void write_reach_along(const Track& track, const PathPoint& point, double way, std::span<double> out);
+void write_reach_along(const Track& track, const PathPoint& point, double offset, std::span<double> out);
 
 /// Whether the acceleration of an axis has no bound beside a point at which the path stands still.
 bool has_unbounded_turn(const Track& track, const PathPoint& point, std::size_t axis);

@@ -13,8 +13,8 @@
 namespace inbetween {
 
 /// What each of the numbers of two rows counts for, at one time. `begin[0]` and `end[0]` are those of the
-/// positions; as they add up to 1 (and to 0 in a derivative), the first position plus end[0] times the way
-/// between both is what is meant, and begin[0] is not used.
+/// positions; as they add up to 1 (and to 0 in a derivative), the first position plus end[0] times the
+/// distance between both is what is meant, and begin[0] is not used.
 struct HermiteWeights {
   std::array<double, 4> begin{};
   std::array<double, 4> end{};

@@ -35,9 +35,9 @@ constexpr double slope = std::array<double, 4>{3.8083, 1, 0.1438, 0.0392}[k];
       begin[j] = group(look.rows.begin + j * axes);
       end[j] = group(look.rows.end + j * axes);
     }
-    const Number way = end[0] - begin[0];
+    const Number distance = end[0] - begin[0];
     const auto played = [&](const HermiteWeights& w) {
-      Number sum = w.end[0] * way;
+      Number sum = w.end[0] * distance;
       for (std::size_t j = 1; j < begin.size(); ++j) sum = sum + (w.begin[j] * begin[j] + w.end[j] * end[j]);
       return sum;
     };
@@ -55,8 +55,8 @@ constexpr double slope = std::array<double, 4>{3.8083, 1, 0.1438, 0.0392}[k];
 
     const Number travel = group(look.travel.data());
     const Number counted = counted_speed(velocity, travel, group(look.inverse_weights.data()),
-                                         group(look.min_speeds.data()), look.speed, look.way_rate);
-    const Number noise = noise_of(position, velocity, look.way_seconds) + group(look.off.data());
+                                         group(look.min_speeds.data()), look.speed, look.path_rate);
+    const Number noise = noise_of(position, velocity, look.path_seconds) + group(look.off.data());
     // What rounds the positions of both ends and of the middle rounds the estimate of the velocity, too.
     const Number near_position = look.position_share * travel + noise + Number(tiny);
     const Number near_velocity = (h * look.speed_share) * counted + 4 * noise + Number(tiny);

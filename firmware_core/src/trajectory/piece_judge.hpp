@@ -61,8 +61,8 @@ struct MiddleLook {
   const double* middle;
   double seconds;
   double speed;                        ///< asked, along the path
-  double way_rate;                     ///< of the whole way, in a second
-  double way_seconds;                  ///< for the whole way at that speed
+  double path_rate;                    ///< of the whole path, in a second
+  double path_seconds;                 ///< for the whole path at that speed
   double position_share, speed_share;  ///< with their margin
   std::span<const double> travel, min_speeds, inverse_weights;
   std::span<const double> off;  ///< of the position, beside rounding
@@ -72,20 +72,20 @@ struct MiddleLook {
 bool is_near_by_middle(const MiddleLook& look);
 
 /// The tolerance of an axis' velocity is a share of this: the drawn speed; of an axis that does not count
-/// along the path its own velocity, and its share of the way, so that it may stand still. A way of less than
-/// a millionth in a frame is as good as a rest. Of one axis or of a group.
+/// along the path its own velocity, and its share of the path, so that it may stand still. A distance of less
+/// than a millionth in a frame is as good as a rest. Of one axis or of a group.
 template <class Number>
 Number counted_speed(const Number& velocity, const Number& travel, const Number& inverse_weight,
-                     const Number& min_speed, double speed, double way_rate) {
+                     const Number& min_speed, double speed, double path_rate) {
   const Number by_weight = speed * inverse_weight;
-  const Number by_way = absolute(velocity) + way_rate * travel;
-  return greatest(if_less(Number(0), inverse_weight, by_weight, by_way), min_speed);
+  const Number by_path = absolute(velocity) + path_rate * travel;
+  return greatest(if_less(Number(0), inverse_weight, by_weight, by_path), min_speed);
 }
 /// Rounding leaves this open of a position: that of the number itself, and of the distance along the path. No
 /// piece is so short that this were a speed. Of one axis or of a group.
 template <class Number>
-Number noise_of(const Number& position, const Number& velocity, double way_seconds) {
-  return rounding * (absolute(position) + way_seconds * absolute(velocity));
+Number noise_of(const Number& position, const Number& velocity, double path_seconds) {
+  return rounding * (absolute(position) + path_seconds * absolute(velocity));
 }
 
 template <class Sampler>
@@ -139,8 +139,8 @@ class PieceJudge {
   [[nodiscard]] double share_of_axis(const JudgedPiece& judged, const SampledSpeed& known, std::size_t d,
                                      double position, double velocity) const;
   [[nodiscard]] double worst_share(const JudgedPiece& judged, double u);
-  [[nodiscard]] double way_rate(double speed) const;
-  [[nodiscard]] double way_seconds(double speed) const;
+  [[nodiscard]] double path_rate(double speed) const;
+  [[nodiscard]] double path_seconds(double speed) const;
 
   const Sampler& sampler_;
   FitTolerances tolerances_;
@@ -204,8 +204,8 @@ bool PieceJudge<Sampler>::is_near(const JudgedPiece& judged, const SampledRow& m
                                    .middle = middle.values,
                                    .seconds = judged.piece->seconds,
                                    .speed = speed,
-                                   .way_rate = way_rate(speed),
-                                   .way_seconds = way_seconds(speed),
+                                   .path_rate = path_rate(speed),
+                                   .path_seconds = path_seconds(speed),
                                    .position_share = share * tolerances_.position_share,
                                    .speed_share = share * tolerances_.speed_share,
                                    .travel = travel_,
@@ -267,26 +267,26 @@ double PieceJudge<Sampler>::share_of_axis(const JudgedPiece& judged, const Sampl
                                           double position, double velocity) const {
   const AxisMotion& asked = asked_[d];
   const double share = judging::margin * judged.loosened;
-  const double noise = judging::noise_of(asked.position, asked.velocity, way_seconds(known.speed)) + off_[d];
+  const double noise = judging::noise_of(asked.position, asked.velocity, path_seconds(known.speed)) + off_[d];
   const double of_position = judging::share_of(std::fabs(position - asked.position) - noise,
                                                share * tolerances_.position_share * travel_[d]);
   if (known.order == 0) return of_position;
   const double counted = judging::counted_speed(asked.velocity, travel_[d], inverse_weights_[d],
-                                                min_speeds_[d], known.speed, way_rate(known.speed));
+                                                min_speeds_[d], known.speed, path_rate(known.speed));
   return std::max(of_position,
                   judging::share_of(std::fabs(velocity - asked.velocity) - noise / judged.piece->seconds,
                                     share * tolerances_.speed_share * counted));
 }
 
-/// The share of the whole way that is passed in a second.
+/// The share of the whole path that is passed in a second.
 template <class Sampler>
-double PieceJudge<Sampler>::way_rate(double speed) const {
+double PieceJudge<Sampler>::path_rate(double speed) const {
   const double length = sampler_.length();
   return length > 0 ? speed / length : 1 / whole_seconds_;
 }
-/// The seconds that the whole way takes at a speed; 0 at rest.
+/// The seconds that the whole path takes at a speed; 0 at rest.
 template <class Sampler>
-double PieceJudge<Sampler>::way_seconds(double speed) const {
+double PieceJudge<Sampler>::path_seconds(double speed) const {
   return speed > judging::tiny ? sampler_.length() / speed : 0;
 }
 

@@ -101,15 +101,15 @@ SampledSpeed TrackSampler::leaving(const SampledJoint& joint, std::span<AxisMoti
   return at_joint(*track_, joint, place, false, out);
 }
 
-void TrackSampler::write_reach(const PathPoint& point, double way, std::span<double> out) const {
-  write_reach_along(*track_, point, way, out);
+void TrackSampler::write_reach(const PathPoint& point, double offset, std::span<double> out) const {
+  write_reach_along(*track_, point, offset, out);
 }
 
 std::uint8_t TrackSampler::unbounded_order(const SampledJoint&, const SampledSpeed& known,
                                            std::size_t axis) const {
   // At rest what comes to a standstill has bounds.
   if (known.order >= 3 || known.speed == 0) return 0;
-  // Where the path stands still, an axis that does not count along it may have a way to go.
+  // Where the path stands still, an axis that does not count along it may have a distance to go.
   if (known.order == 0 && !(weight(axis) > 0)) return 1;
   return track_->has_profile() && has_unbounded_turn(*track_, known.point, axis) ? 2 : 0;
 }

@@ -195,13 +195,14 @@ double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piec
   return sum;
 }
 
-PiecePolynomial way_on_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis) {
+PiecePolynomial distance_on_piece(const Trajectory& trajectory, const TrajectoryPiece& piece,
+                                  std::size_t axis) {
   const PieceRows rows = rows_of(piece, trajectory.values(), trajectory.axis_count());
-  PiecePolynomial way{};
+  PiecePolynomial distance{};
   with_degree(piece.degree, [&](auto degree) {
-    way = position_polynomial<degree>(rows.begin, rows.end, rows.axes, axis, piece.seconds);
+    distance = position_polynomial<degree>(rows.begin, rows.end, rows.axes, axis, piece.seconds);
   });
-  return way;
+  return distance;
 }
 
 PiecePolynomial part_of(const PiecePolynomial& whole, double from, double to) {

@@ -245,7 +245,7 @@ std::ptrdiff_t refused_rights(const StepThread& thread) {
 TEST_F(StepPlayerTest, ItsThreadIsARealTimeThreadWhereTheMachineAllowsIt) {
   std::ofstream("/proc/sys/kernel/sched_rt_runtime_us") << "-1";
   {
-    const StepThread thread(*player, RealTimeWishes{.priority = 85, .locks_memory = false});
+    const StepThread thread(*player, RealTimeRequest{.priority = 85, .locks_memory = false});
     EXPECT_EQ(refused_rights(thread), 0);
     EXPECT_EQ(thread.rights().size(), 4U) << "all but a processor and locked memory";
     EXPECT_EQ(::sched_getscheduler(0), SCHED_OTHER) << "this thread is none";
@@ -254,7 +254,7 @@ TEST_F(StepPlayerTest, ItsThreadIsARealTimeThreadWhereTheMachineAllowsIt) {
 }
 
 TEST_F(StepPlayerTest, WithoutRightsItsThreadSaysSoAndPlaysAllTheSame) {
-  const StepThread thread(*player, RealTimeWishes{.priority = 100, .locks_memory = false});
+  const StepThread thread(*player, RealTimeRequest{.priority = 100, .locks_memory = false});
   EXPECT_GT(refused_rights(thread), 0);
   push_steps(clock.now_ns(), us, 3);
   while (player->waiting() > 0) ::sched_yield();

@@ -17,7 +17,7 @@ enum class ErrorCode : std::uint8_t {
   accuracy,       ///< the accuracy asked for is beyond this floating-point type
   not_bracketed,  ///< the root finder found no interval that holds the solution
   not_converged,  ///< an iteration ended without the accuracy asked for
-  no_solution,    ///< the wishes contradict each other or the range of the speed curve
+  no_solution,    ///< the requests contradict each other or the range of the speed curve
   singular,       ///< the path stands still at a point where the method must divide by its speed
 };
 

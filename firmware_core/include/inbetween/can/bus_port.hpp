@@ -37,7 +37,7 @@ concept FrameLink = requires(Link& link, std::span<Frame> in, std::span<const Fr
 /// One drive as its host sees it: set up, switched on, given a target every tick, watched. Nothing waits;
 /// every call is O(1). Its phases and findings are the same for all protocols.
 ///
-/// `Place` is what the drive counts its positions in, `Target` what it is sent. The wishes connect, enable,
+/// `Place` is what the drive counts its positions in, `Target` what it is sent. The requests connect, enable,
 /// disable, leave and quick_stop return false where the phase does not allow them (drive_phase.hpp).
 template <class Drive>
 concept BusDrive = requires(Drive& drive, const Drive& known, std::int64_t now_ns, typename Drive::Place zero,
@@ -85,7 +85,7 @@ concept DriveBus = BusDrive<typename Bus::Drive> &&
 /// The notes of the port about one drive.
 struct PortDrive {
   DriveFindings seen;        ///< have been reported as a DriveCondition
-  bool may_connect = false;  ///< the wish to be switched on allows one set-up
+  bool may_connect = false;  ///< the request to be switched on allows one set-up
   bool may_enable = false;   ///< and one switching on: nothing resumes by itself
   bool has_forgotten =
       false;  ///< it has started anew since it was connected first; nobody can acknowledge that

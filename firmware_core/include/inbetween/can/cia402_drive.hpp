@@ -50,7 +50,7 @@ struct Cia402Settings {
   std::int64_t stop_timeout_ns = 1'000'000'000;    ///< until it answers a quick stop, or its fault is reset
   /// How it is told to start anew. A drive that is reset as a whole may forget where it is.
   NmtCommand reset = NmtCommand::reset_communication;
-  /// How long the drive may take for its ramp, its brake and its power stage on the way off.
+  /// How long the drive may take for its ramp, its brake and its power stage while it switches off.
   std::int64_t disable_timeout_ns = 2'000'000'000;
   /// The axis rests where it has not been further than this, in counts, from one place for rest_ns.
   std::int32_t rest_counts = 10;
@@ -100,7 +100,7 @@ class Cia402Drive {
     return settings_.setup.host_timeout_ms * std::int64_t{1'000'000};
   }
 
-  // The caller wishes these. They return false where the phase does not allow it.
+  // The caller requests these. They return false where the phase does not allow it.
   bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
   /// Also refused while there are findings: acknowledge them first.
   bool enable(std::int64_t now_ns);
@@ -139,7 +139,7 @@ class Cia402Drive {
   [[nodiscard]] bool is_in_use() const {
     return phase_ != DrivePhase::off && phase_ != DrivePhase::abandoned;
   }
-  /// Whether it is on its way off, and has to be ticked on.
+  /// Whether it is being switched off, and has to be ticked on.
   [[nodiscard]] bool is_leaving() const {
     return phase_ == DrivePhase::disabling || phase_ == DrivePhase::disabled || phase_ == DrivePhase::leaving;
   }
@@ -211,7 +211,7 @@ class Cia402Drive {
   void watch_following(std::int64_t now_ns);
   void watch_stopping();
   void watch_deadline(std::int64_t now_ns);
-  // the way off
+  // switching off
   void enter_leaving(std::int64_t now_ns);
   void advance_disabling(std::int64_t now_ns);
   void advance_leaving(std::int64_t now_ns);

@@ -17,7 +17,7 @@ enum class DrivePhase : std::uint8_t {
   enabling,     ///< on the way to operation enabled; its target is where it is, then held
   following,    ///< takes targets
   stopping,     ///< the drive's own quick stop, and the rest after it
-  disabling,    ///< on the way off: until it tells that it has no power, and the axis rests
+  disabling,    ///< being switched off: until it tells that it has no power, and the axis rests
   disabled,     ///< that is so; the other drives of the rig are waited for
   leaving,      ///< out of Operational, and its watchdogs are taken away: after that it is off
   abandoned,    ///< it did not do so in time: it is told nothing, and its own watchdogs stay on
@@ -27,7 +27,7 @@ enum class DrivePhase : std::uint8_t {
 inline constexpr std::size_t drive_phases = 15;
 
 enum class DriveEvent : std::uint8_t {
-  // wishes of the caller
+  // requests of the caller
   connect,     ///< set the drive up from the beginning
   enable,      ///< switch it on; a fault is reset first
   disable,     ///< switch it off, out of operation by its own ramp, and see that it is
@@ -52,7 +52,7 @@ inline constexpr std::size_t drive_events = 18;
 
 struct DriveStep {
   DrivePhase phase;
-  bool is_refused;  ///< a wish that is not for this phase
+  bool is_refused;  ///< a request that is not for this phase
 };
 /// The whole table. Nothing leads to following but enable, cleared and enabled, in this order.
 DriveStep next_phase(DrivePhase phase, DriveEvent event);

@@ -41,7 +41,7 @@ constexpr std::size_t size_of(MoteusType type) {
 /// count in steps of the register, cut off towards 0 and kept within the type; its lowest number stands for
 /// what is none.
 std::uint32_t moteus_bits_of(double value, MoteusRegister reg, MoteusType type);
-/// The way back; not a number where the bits say none.
+/// The inverse; not a number where the bits say none.
 double moteus_value_of(std::uint32_t bits, MoteusRegister reg, MoteusType type);
 
 /// Writes sub-frames into a frame, one behind the other.

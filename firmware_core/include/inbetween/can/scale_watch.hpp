@@ -14,8 +14,8 @@ namespace inbetween::can {
 
 /// The drive lags behind what it is told, and nobody knows by how much. So every lag of up to 32 ms is
 /// tried, in steps of 4 ms: with one of them the axis has been where it was told to be in every tick since
-/// its first motion, but for the noise of its encoder, a share of the way, and what a ramp of its own takes
-/// to brake. If none is left, it is the scale that is wrong. Beyond `proof_turns` of way the scale is known,
+/// its first motion, but for the noise of its encoder, a share of the distance, and what a ramp of its own
+/// takes to brake. If none is left, it is the scale that is wrong. Beyond `proof_turns` the scale is known,
 /// and nothing is judged any more: the following error looks after the axis. Positions in turns; 104 bytes,
 /// O(1).
 class ScaleWatch {
@@ -39,7 +39,7 @@ class ScaleWatch {
       shifted_ns_ = now_ns;
     }
     told_[0] = told.turns;
-    way_ = std::max(way_, std::fabs(told.turns - first_told_));
+    distance_ = std::max(distance_, std::fabs(told.turns - first_told_));
     turns_per_s_ = std::max(turns_per_s_, std::fabs(told.turns_per_s));
     if (is_new && !is_proven_) judge(settings, place_turns - first_place_);
     if (now_ns - shifted_ns_ < apart_ns) return;
@@ -51,16 +51,16 @@ class ScaleWatch {
  private:
   static constexpr std::size_t lags = 8;
 
-  void judge(const Settings& settings, double way) {
+  void judge(const Settings& settings, double distance) {
     constexpr double share = 0.01;
     const double braking = turns_per_s_ * turns_per_s_ / (2 * settings.ramp_turns_per_s2);
-    const double allowed = settings.noise_turns + share * way_ + braking;
+    const double allowed = settings.noise_turns + share * distance_ + braking;
     for (std::size_t i = 0; i < lags; ++i) {
       const double least = std::min(told_[i], told_[i + 1]) - first_told_;
       const double most = std::max(told_[i], told_[i + 1]) - first_told_;
-      if (way < least - allowed || way > most + allowed) possible_ &= ~(1U << i);
+      if (distance < least - allowed || distance > most + allowed) possible_ &= ~(1U << i);
     }
-    is_proven_ = possible_ != 0 && std::fabs(way) > settings.proof_turns;
+    is_proven_ = possible_ != 0 && std::fabs(distance) > settings.proof_turns;
   }
 
   bool has_begun_ = false;
@@ -68,7 +68,7 @@ class ScaleWatch {
   std::uint32_t possible_ = (1U << lags) - 1;  ///< a bit for each lag
   double first_place_ = 0;
   double first_told_ = 0;
-  double way_ = 0;                       ///< the longest that it was told
+  double distance_ = 0;                  ///< the longest that it was told
   double turns_per_s_ = 0;               ///< the fastest
   std::array<double, lags + 1> told_{};  ///< now, and before
   std::int64_t shifted_ns_ = 0;

@@ -17,15 +17,15 @@
 
 namespace inbetween {
 
-/// The parameters of the search for a switch. Ways and speeds are magnitudes in axis units and unit/s.
+/// The parameters of the search for a switch. Distances and speeds are magnitudes in axis units and unit/s.
 struct HomingSpec {
   bool towards_max = false;  ///< the switch is in the direction of rising positions
   double at = 0;             ///< the position where it closes, approached from the other side
   double fast =
-      0;  ///< speed of the search; the axis overruns the switch by the way of a stop from this speed
+      0;  ///< speed of the search; the axis overruns the switch by the distance of a stop from this speed
   double slow = 0;      ///< speed of the measurement: it alone decides how exactly the place is repeated
-  double search = 0;    ///< the longest way of the search
-  double leave = 0;     ///< the longest way off the switch, for an axis that starts on it
+  double search = 0;    ///< the longest distance of the search
+  double leave = 0;     ///< the longest distance off the switch, for an axis that starts on it
   double back_off = 0;  ///< the switch is open this far before its edge: more than its hysteresis
   SwitchSettings home = {};
 };
@@ -41,12 +41,12 @@ struct HomingInput {
 /// reference is the commanded position at the time of the first edge of the slow approach, because the lag of
 /// the axis is the same each time. An axis that starts on its switch leaves it first. Refers to the axis.
 ///
-/// Every motion is one of FreeAxis, within its limits and at most at `fast`. Every way is bounded, so that
-/// the homing ends whatever the switch does.
+/// Every motion is one of FreeAxis, within its limits and at most at `fast`. Every distance is bounded, so
+/// that the homing ends whatever the switch does.
 class AxisHoming {
  public:
-  /// Errors: not_finite; out_of_range (a way or speed that is not above 0, fast above the velocity of the
-  /// axis, slow above fast; the switch settings).
+  /// Errors: not_finite; out_of_range (a distance or speed that is not above 0, fast above the velocity of
+  /// the axis, slow above fast; the switch settings).
   static Result<AxisHoming> make(const HomingSpec& spec, FreeAxis& axis);
 
   [[nodiscard]] HomingPhase phase() const { return phase_; }
@@ -65,7 +65,7 @@ class AxisHoming {
 
   [[nodiscard]] Status can_begin(const HomingInput& input) const;
   [[nodiscard]] double reach() const;
-  [[nodiscard]] double spike_way() const;
+  [[nodiscard]] double spike_distance() const;
   void begin(std::int64_t now_ns, const HomingInput& input);
   void observe(std::int64_t now_ns, const HomingInput& input, std::span<const LineEvent> events);
   [[nodiscard]] HomingFailure fault(const HomingInput& input) const;
@@ -77,8 +77,8 @@ class AxisHoming {
   void go_to(double position, double speed);
   void halt();
   [[nodiscard]] bool is_moving() const;
-  /// `way` towards the switch.
-  [[nodiscard]] double towards(double way) const { return spec_.towards_max ? way : -way; }
+  /// `distance` towards the switch.
+  [[nodiscard]] double towards(double distance) const { return spec_.towards_max ? distance : -distance; }
 
   HomingSpec spec_;
   SwitchInput switch_;
@@ -106,7 +106,7 @@ enum class HomingState : std::uint8_t {
 ///
 /// The caller sends the setpoints and uses unreferenced axes for nothing else. When an axis is referenced,
 /// the caller adds AxisHoming::shift() to its coordinates with FreeAxis::place and FreeAxis::set_range:
-/// homing makes the range of an axis as wide as its ways, and leaves it so.
+/// homing makes the range of an axis as wide as its distances, and leaves it so.
 class Homing {
  public:
   /// The axes reach the setpoints of a tick `delay_ns` after it; that is at least a tick.

@@ -11,11 +11,11 @@ enum class HomingPhase : std::uint8_t {
   waiting,      ///< not begun
   sensing,      ///< learns whether it stands on its switch
   leaving,      ///< moves off the switch, on which it stood at the start
-  clearing,     ///< the switch has opened: moves on, by the way to back off
+  clearing,     ///< the switch has opened: moves on, by the distance to back off
   searching,    ///< towards the switch, fast
   overrunning,  ///< the first edge has come: stops, until the switch has settled
   turning,      ///< the switch is actuated: stops
-  backing,      ///< moves back, to the way to back off before the edge
+  backing,      ///< moves back, to the distance to back off before the edge
   approaching,  ///< towards the switch, slowly
   settling,     ///< the first edge has come: stops, until the switch has settled
   latching,     ///< the switch is actuated, and its place is known: stops
@@ -42,12 +42,12 @@ inline constexpr std::size_t homing_signals = 9;
 enum class HomingAction : std::uint8_t {
   none,
   leave,      ///< away from the switch, by the way to leave it at most
-  clear,      ///< to the way to back off before the edge that has just been
-  search,     ///< towards the switch, fast, by the way to search at most
+  clear,      ///< to the distance to back off before the edge that has just been
+  search,     ///< towards the switch, fast, by the distance to search at most
   stop,       ///< slow down
   mark,       ///< note the position of the edge that has just proved to be one
   mark_stop,  ///< both
-  back_off,   ///< to the way to back off before the noted edge
+  back_off,   ///< to the distance to back off before the noted edge
   approach,   ///< towards the switch, slowly, at least as far beyond the noted edge
   refer,      ///< the noted edge gets the position that the rig gives it
 };
@@ -75,7 +75,7 @@ struct HomingStep {
 /// The whole table. A failure leads to stopping and from there to failed, and failed leads nowhere. O(1).
 HomingStep homing_step(HomingPhase phase, HomingSignal signal);
 
-/// One clause each: "the switch was not reached within the way to search".
+/// One clause each: "the switch was not reached within the distance to search".
 const char* words_of(HomingFailure failure);
 /// The remedy of a failure.
 const char* remedy_of(HomingFailure failure);

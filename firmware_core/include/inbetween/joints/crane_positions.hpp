@@ -17,7 +17,7 @@ struct CameraCrane {
   Vector3 column;  ///< the axis of the swing, square to the track
   Vector3 boom;    ///< the axis of the boom, square to the column
   Vector3 foot;    ///< a point of the column's axis (m)
-  Vector3 level;   ///< what of the way from the foot to the head swings and does not rise (m)
+  Vector3 level;   ///< what of the vector from the foot to the head swings and does not rise (m)
   Vector3 raised;  ///< what of it turns with the boom (m)
 };
 

@@ -17,7 +17,7 @@ namespace inbetween {
 enum class JointKind : std::uint8_t {
   fixed,
   revolute,   ///< turns about its axis, by an angle in radians
-  prismatic,  ///< slides along its axis, by a way in metres
+  prismatic,  ///< slides along its axis, by a distance in metres
 };
 
 /// A link and the joint by which it hangs on its parent. The value of the joint is factor * coordinate +
@@ -78,7 +78,7 @@ class JointTree {
 
   /// The pose of every link in the world, by transforms along each branch. `coordinates` has
   /// coordinate_count() entries and `poses` one for each link. Error: out_of_range with the coordinate in
-  /// Error::axis, for an angle beyond max_angle or a way beyond 1e6 m; `poses` is then to be ignored.
+  /// Error::axis, for an angle beyond max_angle or a distance beyond 1e6 m; `poses` is then to be ignored.
   /// O(joints), about 0.15 us a joint on a desktop.
   Status poses(std::span<const double> coordinates, std::span<Pose> poses) const;
 

@@ -9,7 +9,7 @@
 #include "inbetween/base/setpoint.hpp"
 #include "inbetween/path/path.hpp"
 
-/// The way from the position of an axis to that of its motor where no scale describes it: the focus marks of
+/// The map from the position of an axis to that of its motor where no scale describes it: the focus marks of
 /// a lens, a jaw on a crank.
 
 namespace inbetween {

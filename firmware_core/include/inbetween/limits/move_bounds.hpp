@@ -96,9 +96,9 @@ struct MoveBoundsStorage {
 };
 
 /// Bounds of the frames Move::part() and of the rolls: true <= peak <= 1.00001 true, lowest and highest
-/// within 1e-9 of the way (bound_trajectory); steps beyond rounding; the suprema of the cells (bound_cells;
-/// 0.5 % of the peak are room as well). Motors are bounded as axes are, by what they play (fit_motor).
-/// `limits`, one for every axis or none, say what a step is compared with, beside the peak.
+/// within 1e-9 of the distance (bound_trajectory); steps beyond rounding; the suprema of the cells
+/// (bound_cells; 0.5 % of the peak are room as well). Motors are bounded as axes are, by what they play
+/// (fit_motor). `limits`, one for every axis or none, say what a step is compared with, beside the peak.
 ///
 /// Errors: wrong_count (tracks, limits, peaks, cells), out_of_range (a motor of no axis), capacity (memory),
 /// those of fit_trajectory. No allocation. Cost: the fit, and O((pieces + cells) * axes).

@@ -155,7 +155,7 @@ class StopBounds {
   [[nodiscard]] bool is_as_fine_as(std::size_t cell_entries, double rate) const {
     return cells_.size() == cell_entries && rate <= rate_;
   }
-  /// Whether a rate and its change, both along the way of travel, are within V at a place, or off by
+  /// Whether a rate and its change, both along the direction of travel, are within V at a place, or off by
   /// rounding. O(1).
   [[nodiscard]] bool permits(const FrameTime& time, double rate, double change) const;
   /// O(1).

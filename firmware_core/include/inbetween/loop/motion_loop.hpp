@@ -127,7 +127,7 @@ class MotionLoop {
     return Done{};
   }
 
-  /// Takes a wish of the operator, or an event outside the drives. False: refused in this state.
+  /// Takes a request of the operator, or an event outside the drives. False: refused in this state.
   bool post(SupervisorEvent event) {
     if (event == SupervisorEvent::start) return static_cast<bool>(start(Direction::forward));
     return apply(event);
@@ -349,9 +349,9 @@ class MotionLoop {
     for (std::size_t d = 0; d < axes; ++d) {
       const double from = setpoint(d).position;
       const double to = memory_.next[d].position;
-      const double way = spec_.limits[d].max_velocity() * spec_.tick_seconds;
-      const double rounded = rounding * (std::fabs(from) + std::fabs(to) + way);
-      if (std::fabs(to - from) > way + rounded) return true;
+      const double distance = spec_.limits[d].max_velocity() * spec_.tick_seconds;
+      const double rounded = rounding * (std::fabs(from) + std::fabs(to) + distance);
+      if (std::fabs(to - from) > distance + rounded) return true;
     }
     return false;
   }

@@ -39,7 +39,7 @@ inline constexpr std::size_t supervisor_events = 11;
 /// The action of a transition, before anything else is sent.
 enum class SupervisorAction : std::uint8_t {
   none,
-  refuse,           ///< the operator's wish is not for this state: tell so
+  refuse,           ///< the operator's request is not for this state: tell so
   enable,           ///< switch the drives on, read their actual positions
   hold_actual,      ///< the first setpoint of every axis is its actual position
   play,             ///< let the playhead go

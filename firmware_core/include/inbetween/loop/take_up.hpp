@@ -17,7 +17,7 @@ namespace inbetween {
 struct Backlash {
   /// What is added to the motor while the axis moves against the approach, signed: below 0 where the approach
   /// is up the motor. Nothing is added while it moves with the approach.
-  double way = 0;
+  double distance = 0;
   bool approach_is_up = true;  ///< the direction in which the axis moves when it approaches
   std::int32_t ticks = 1;      ///< that a take-up lasts
   /// In axis units: so far must the axis come back before it goes the other way. A count of the drive: what
@@ -25,10 +25,10 @@ struct Backlash {
   double min_return = 0;
 };
 
-/// The largest velocity, acceleration and jerk of a take-up of `way` in `seconds`: 15/8, 10/sqrt(3) and 60
-/// times way / seconds^n, those of s^3 (10 - 15 s + 6 s^2).
-constexpr std::array<double, 3> take_up_peaks(double way, double seconds) {
-  const double size = way < 0 ? -way : way;
+/// The largest velocity, acceleration and jerk of a take-up of `distance` in `seconds`: 15/8, 10/sqrt(3) and
+/// 60 times distance / seconds^n, those of s^3 (10 - 15 s + 6 s^2).
+constexpr std::array<double, 3> take_up_peaks(double distance, double seconds) {
+  const double size = distance < 0 ? -distance : distance;
   return {1.875 * size / seconds, 5.773502691896258 * size / (seconds * seconds),
           60 * size / (seconds * seconds * seconds)};
 }
@@ -73,12 +73,12 @@ class TakeUp {
   /// What is added in this tick.
   [[nodiscard]] Setpoint now() const {
     if (!is_crossing()) return {.position = to_};
-    const double way = to_ - from_;
+    const double distance = to_ - from_;
     const double s = static_cast<double>(tick_) / static_cast<double>(backlash_.ticks);
     const double left = 1 - s;
-    return {.position = from_ + way * (s * s * s * (10 + s * (6 * s - 15))),
-            .velocity = way / seconds_ * (30 * s * s * left * left),
-            .acceleration = way / (seconds_ * seconds_) * (60 * s * left * (left - s))};
+    return {.position = from_ + distance * (s * s * s * (10 + s * (6 * s - 15))),
+            .velocity = distance / seconds_ * (30 * s * s * left * left),
+            .acceleration = distance / (seconds_ * seconds_) * (60 * s * left * (left - s))};
   }
   /// The motor still crosses the play, or will in the next tick.
   [[nodiscard]] bool is_under_way() const { return is_crossing() || is_owed(); }
@@ -86,7 +86,9 @@ class TakeUp {
  private:
   [[nodiscard]] bool is_crossing() const { return tick_ < backlash_.ticks; }
   [[nodiscard]] bool is_owed() const { return has_moved_ && target() != to_; }
-  [[nodiscard]] double target() const { return is_up_ == backlash_.approach_is_up ? 0.0 : backlash_.way; }
+  [[nodiscard]] double target() const {
+    return is_up_ == backlash_.approach_is_up ? 0.0 : backlash_.distance;
+  }
   /// `furthest_` is the furthest position in the direction in which the axis goes.
   void turn(double position) {
     if (!has_place_) {

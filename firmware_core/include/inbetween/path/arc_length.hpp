@@ -23,8 +23,9 @@ template <class Number>
   return (c[0] + c[1] * u) + (square * (c[2] + c[3] * u) + high);
 }
 
-/// One piece of the inverse: t as a septic in u over a stretch of one segment, u in [0, 1].
-/// The distance d that has been travelled enters as
+/// One piece of the inverse: t as a septic in u over a part of one segment, u in [0, 1]. A segment has many;
+/// a piece of a trajectory, a polynomial in time, is something else. The distance d that has been travelled
+/// enters as
 ///   plain:        u = (d - origin) * inverse_step                      (shift: the low part of origin)
 ///   root_after:   u = sqrt(d - origin) * inverse_step - shift          (origin: where the path stands still)
 ///   root_before:  u = shift - sqrt(origin - d) * inverse_step
@@ -126,24 +127,23 @@ class ArcLength {
     return {piece > 0 ? next_begins_[piece - 1] : 0.0, 0};
   }
 
-  /// The point at a distance from the start, begin + way: the start itself at 0, and at or beyond the total
-  /// length the end of the path, both exact. `way` is rounded like a number of its own size, not like the
-  /// distance.
-  /// Cost: O(1); near a cusp, where many pieces share a bucket, a bisection among them.
-  [[nodiscard]] PathPoint locate(const TwoSum& begin, double way = 0) const {
-    const double distance = begin.high + way;
+  /// The point at a distance from the start, begin + length: the start itself at 0, and at or beyond the
+  /// total length the end of the path, both exact. `length` is rounded like a number of its own size, not
+  /// like the distance. Cost: O(1); near a cusp, where many pieces share a bucket, a bisection among them.
+  [[nodiscard]] PathPoint locate(const TwoSum& begin, double length = 0) const {
+    const double distance = begin.high + length;
     if (distance <= 0) [[unlikely]]
       return {0, 0};
-    if (is_at_end(distance, begin, way)) [[unlikely]]
+    if (is_at_end(distance, begin, length)) [[unlikely]]
       return {segment_count(), 0};
     const ArcPiece& piece = pieces_[piece_at(distance)];
-    return {piece.segment, piece.t_at(piece.offset(begin) + way)};
+    return {piece.segment, piece.t_at(piece.offset(begin) + length)};
   }
 
-  /// The same for many ways from one begin, bit for bit; quickest where they rise, because then one piece
+  /// The same for many lengths from one begin, bit for bit; quickest where they rise, because then one piece
   /// is evaluated for a run of them without looking anything up. Both spans have the same size. Returns
   /// whether the points are known to be in order: rounding may put one before that in front of it.
-  bool locate(const TwoSum& begin, std::span<const double> ways, std::span<PathPoint> points) const;
+  bool locate(const TwoSum& begin, std::span<const double> lengths, std::span<PathPoint> points) const;
 
   /// The distance from the start to a point, by quadrature within its piece: full precision of double.
   [[nodiscard]] TwoSum distance(const Path& path, const PathPoint& point) const;
@@ -156,8 +156,8 @@ class ArcLength {
   [[nodiscard]] std::int32_t segment_count() const {
     return static_cast<std::int32_t>(segment_begins_.size()) - 1;
   }
-  [[nodiscard]] bool is_at_end(double distance, const TwoSum& begin, double way) const {
-    return distance >= end_.high && begin.minus(end_) + way >= 0;
+  [[nodiscard]] bool is_at_end(double distance, const TwoSum& begin, double length) const {
+    return distance >= end_.high && begin.minus(end_) + length >= 0;
   }
   /// The last piece that begins at or before a distance above 0. A distance of two parts may be before the
   /// end when its `high` is not: behind the last bucket nothing is looked up.

@@ -56,7 +56,7 @@ struct PathSpec {
   bool rests_at_end = true;
   /// One per key of a linear path over frames, in frames, >= 0: the actions before and after the key overlap
   /// for so long, half of it on either side of its frame (Tuori, Tools and techniques for computer-aided
-  /// animation, 1977). The position is the straight way convolved with a triangle so wide: cubics, C2. The
+  /// animation, 1977). The position is the straight line convolved with a triangle so wide: cubics, C2. The
   /// last key is met, and key 0: an action that begins or ends at rest is shorter by half the overlap there,
   /// and at an end without a rest nothing overlaps. The seam of a periodic path overlaps as any other key.
   std::span<const std::int32_t> overlap_frames = {};
@@ -76,9 +76,9 @@ struct PathSpec {
   }
 };
 
-/// The begin of a segment that is a part of the way between two keys: of `parts` equal parts of the way from
-/// `key` to the next key, of the time on a path over frames and otherwise of s, it has `length` from `part`
-/// on.
+/// The begin of a segment that is a part of the path between two keys: of `parts` equal parts of the path
+/// from `key` to the next key, of the time on a path over frames and otherwise of s, it has `length` from
+/// `part` on.
 struct FrameKnot {
   std::int32_t key = 0;
   std::int32_t part = 0;
@@ -152,7 +152,8 @@ struct CubicPathSpec {
   std::span<const Cubic> cubics;
   /// One for each axis and each guide. With weights of 0 for the axes, the guides alone are the distance.
   std::span<const double> weights;
-  /// One for each segment, in the order of the path: all the parts of the way from key 0 to key 1, and so on.
+  /// One for each segment, in the order of the path: all the parts of the path from key 0 to key 1, and so
+  /// on.
   std::span<const FrameKnot> knots;
   /// Every row is a curve over time, and the knots are parts of the time from key to key.
   bool over_frames = false;

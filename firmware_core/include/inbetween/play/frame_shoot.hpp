@@ -67,7 +67,7 @@ class FrameShoot {
       : spec_(spec), frames_(frames), frame_(frames.first), moving_(&moving), still_(still) {}
 
   /// Checks that every frame that is to be shot can be exposed as wanted. Errors, with frame: those of
-  /// Playhead::way_of; no_solution (the motion steps while the rig exposes it). O(N times the cells that a
+  /// Playhead::travel_of; no_solution (the motion steps while the rig exposes it). O(N times the cells that a
   /// run-up passes).
   [[nodiscard]] Status check() const;
   /// Goes to a frame and shoots it. The playheads rest. Errors: out_of_range (the frame is not to be shot;

@@ -31,8 +31,8 @@ struct FreeAxisLimits {
 /// the soft limit ahead, so that no tick has to watch for it. Ticks evaluate the plan in closed form, from
 /// its start or, in the last jerk phase, from its end. Therefore no error accumulates, the jerk may change
 /// anywhere within a tick, and the axis rests on its target to the last bit. From rest to rest this is the
-/// quickest motion within the limits. If the way is too short for the speed, the command (not the tick) finds
-/// the highest speed that fits by bisection.
+/// quickest motion within the limits. If the distance is too short for the speed, the command (not the tick)
+/// finds the highest speed that fits by bisection.
 ///
 /// A stop never rests further than the motion that it interrupts, so that the soft limits hold for every
 /// command at every moment. An axis outside its soft limits (unreferenced, or moved by hand) moves only
@@ -71,8 +71,8 @@ class FreeAxis {
   [[nodiscard]] bool is_resting() const { return activity_ == Activity::resting; }
   /// The position where it comes to rest if no other command follows.
   [[nodiscard]] double end() const { return end_; }
-  /// The way (signed) and the seconds that a stop from here takes.
-  [[nodiscard]] double stop_distance() const { return stop_ramp().way(); }
+  /// The distance (signed) and the seconds that a stop from here takes.
+  [[nodiscard]] double stop_distance() const { return stop_ramp().distance(); }
   [[nodiscard]] double stop_seconds() const { return stop_ramp().seconds(); }
   [[nodiscard]] const FreeAxisLimits& limits() const { return limits_; }
 
@@ -89,7 +89,7 @@ class FreeAxis {
   [[nodiscard]] SpeedRamp stop_ramp() const {
     return ramp_to_rest({limits_.stop_share * limits_.acceleration, limits_.stop_share * limits_.jerk});
   }
-  [[nodiscard]] double way_over(double velocity) const;
+  [[nodiscard]] double distance_over(double velocity) const;
   [[nodiscard]] double top_speed(double direction, double speed, double room) const;
   void head_for(double position, double speed, Activity activity);
   [[nodiscard]] Setpoint at(double seconds) const;

@@ -50,7 +50,7 @@ struct Exposure {
 };
 
 /// The stretch of the time line that an exposure in motion passes, from rest to rest.
-struct ExposureWay {
+struct ExposureTravel {
   FrameTime from, to;
 };
 
@@ -68,7 +68,7 @@ struct ExposureWay {
 /// Method: the rate goes to its target in the quickest way, in three phases: |r''| = R2 until |r'| = R1, then
 /// r'' = 0, then |r''| = Q until r' = 0 exactly at the target. On every tick r'' keeps the state within the
 /// bounds of the place. A turn is a stop and a start. To a frame the playhead travels from rest to rest with
-/// the smallest bounds on the way, in closed form from its start, so that it rests on the frame exactly.
+/// the smallest bounds between, in closed form from its start, so that it rests on the frame exactly.
 ///
 /// At an end of the time line nothing moves at any rate. Therefore a move that is played from there runs at
 /// its full rate from the first tick on, and takes exactly its frames.
@@ -98,9 +98,9 @@ class Playhead {
   /// Travels to the next whole frame in a direction, counted from the frame that it is travelling to. Errors:
   /// out_of_range (beyond the end).
   Status step(Direction direction);
-  /// The way of an exposure with its run-up and run-out. Errors and cost: those of go_to_run_up, which needs
-  /// a playhead that rests.
-  [[nodiscard]] Result<ExposureWay> way_of(const Exposure& exposure) const;
+  /// The travel of an exposure with its run-up and run-out. Errors and cost: those of go_to_run_up, which
+  /// needs a playhead that rests.
+  [[nodiscard]] Result<ExposureTravel> travel_of(const Exposure& exposure) const;
   /// Travels to the start of the run-up to an exposure, and rests there (`arrived`).
   /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above that of the
   /// bounds), not_converged (no run-up within the bounds was found).

@@ -12,10 +12,10 @@ struct RampLimits {
   double jerk = 0;          ///< unit/s^3
 };
 
-/// The state of a ramp. `way` counts from its start or, in its last jerk phase, from its end, so that it ends
-/// there exactly.
+/// The state of a ramp. `distance` counts from its start or, in its last jerk phase, from its end, so that it
+/// ends there exactly.
 struct RampState {
-  double way = 0;
+  double distance = 0;
   bool to_end = false;
   double velocity = 0;
   double acceleration = 0;
@@ -37,7 +37,7 @@ class SpeedRamp {
 
   [[nodiscard]] double seconds() const { return jerk_s_ + constant_s_ + release_s_; }
   /// How far it moves meanwhile, signed.
-  [[nodiscard]] double way() const { return way_; }
+  [[nodiscard]] double distance() const { return distance_; }
   [[nodiscard]] double to_velocity() const { return to_velocity_; }
   /// The state at so many seconds after the start, 0..seconds(). O(1).
   [[nodiscard]] RampState at(double seconds) const;
@@ -53,7 +53,7 @@ class SpeedRamp {
   double jerk_s_ = 0;
   double constant_s_ = 0;
   double release_s_ = 0;
-  double way_ = 0;
+  double distance_ = 0;
 };
 
 }  // namespace inbetween

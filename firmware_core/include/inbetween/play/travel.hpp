@@ -7,10 +7,10 @@
 
 namespace inbetween {
 
-/// The state of a travel. `way_s` counts seconds of the time line from its start or, once the rate falls,
-/// from its end, so that it rests there exactly.
+/// The state of a travel. `distance_s` counts seconds of the time line from its start or, once the rate
+/// falls, from its end, so that it rests there exactly.
 struct TravelState {
-  double way_s = 0;
+  double distance_s = 0;
   bool to_end = false;
   double rate = 0;         ///< seconds of the time line a second
   double rate_change = 0;  ///< of the rate, per second
@@ -22,17 +22,17 @@ struct TravelState {
 class Travel {
  public:
   Travel() = default;
-  /// The quickest travel over `way_s` >= 0 seconds of the time line at a rate of at most `top_rate` > 0.
-  static Travel shortest(double way_s, double top_rate, const StopBound& bounds);
+  /// The quickest travel over `distance_s` >= 0 seconds of the time line at a rate of at most `top_rate` > 0.
+  static Travel shortest(double distance_s, double top_rate, const StopBound& bounds);
   /// A travel that keeps `rate` > 0 for `even_s` >= 0 seconds.
   static Travel even(double rate, double even_s, const StopBound& bounds);
   /// The seconds from rest to a rate. Meanwhile the time line advances by half of seconds times `rate`.
   static double rise_to(double rate, const StopBound& bounds);
 
-  /// The way of the quickest stop from `rate` >= 0, which changes by `rate_change` a second, if it is made in
-  /// ticks: each of the two times at which r'' changes may come a tick late, and leave the rate J tick^2 / 2
-  /// higher than it need be.
-  static double stop_way(double rate, double rate_change, const StopBound& bounds, double tick_s);
+  /// The distance of the quickest stop from `rate` >= 0, which changes by `rate_change` a second, if it is
+  /// made in ticks: each of the two times at which r'' changes may come a tick late, and leave the rate J
+  /// tick^2 / 2 higher than it need be.
+  static double stop_distance_s(double rate, double rate_change, const StopBound& bounds, double tick_s);
 
   /// The seconds from rest to rest.
   [[nodiscard]] double seconds() const { return 2 * rise_s_ + even_s_; }

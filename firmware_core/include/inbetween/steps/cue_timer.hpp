@@ -113,8 +113,8 @@ class CueTimer {
   struct Range {
     std::size_t first = 0, last = 0;
   };
-  /// The way of the playhead within a tick, in frames, as a function of time.
-  struct Way;
+  /// The motion of the playhead within a tick, in frames, as a function of time.
+  struct TickMotion;
   struct Leg;
   struct Output;
 
@@ -124,7 +124,7 @@ class CueTimer {
   [[nodiscard]] std::size_t first_at(const FrameTime& time) const;
   [[nodiscard]] std::size_t first_behind(const FrameTime& time) const;
   void go_through(const CueTick& tick, Output& out);
-  void go(const Leg& leg, const Way& way, Output& out);
+  void go(const Leg& leg, const TickMotion& motion, Output& out);
   void begin_due(Output& out);
   void begin(std::size_t pulse, std::int64_t at_ns, Output& out);
   void end_before(std::int64_t at_ns, Output& out);

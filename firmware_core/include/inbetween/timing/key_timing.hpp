@@ -14,7 +14,7 @@
 
 namespace inbetween {
 
-/// A wish about when a key is met.
+/// A request about when a key is met.
 struct KeyLock {
   std::int32_t key = 0;
   std::int32_t frame = -1;  ///< -1: none, only for a hold; then where the drawn curve arrives
@@ -76,7 +76,7 @@ struct KeyTimingMemory {
 /// The changes of the drawn curve.
 struct KeyTiming {
   std::span<const double> control_values;  ///< f + 1 of them, in KeyTimingMemory::adjusted
-  std::span<const KeyLock> locks;      ///< the wishes with every frame filled in, in KeyTimingMemory::locks
+  std::span<const KeyLock> locks;      ///< the requests with every frame filled in, in KeyTimingMemory::locks
   std::int32_t refinements = 0;        ///< how often f was doubled (exactly, without changing the curve)
   double largest_change = 0;           ///< of a control value of the refined curve
   std::int32_t largest_change_at = 0;  ///< its index

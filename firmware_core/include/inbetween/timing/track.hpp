@@ -93,16 +93,16 @@ struct CurvePlace {
   double t = 0;
 };
 
-/// The way over one span of the drawn curve: begin + t (c[0] + c[1] t + c[2] t^2 + c[3] t^3), t from 0 to 1.
-/// Within so short a span powers of t are as good as Bernstein's polynomials, and half the work.
+/// The length over one span of the drawn curve: begin + t (c[0] + c[1] t + c[2] t^2 + c[3] t^3), t from 0
+/// to 1. Within so short a span powers of t are as good as Bernstein's polynomials, and half the work.
 struct SpanDistance {
   TwoSum begin;  ///< the distance travelled at its start
   std::array<double, 4> c{};
 
-  [[nodiscard]] double way(double t) const { return t * ((c[0] + c[1] * t) + t * t * (c[2] + c[3] * t)); }
+  [[nodiscard]] double length(double t) const { return t * ((c[0] + c[1] * t) + t * t * (c[2] + c[3] * t)); }
 };
 
-/// The memory of a track, owned by the caller. Only what the way of timing needs may be empty otherwise.
+/// The memory of a track, owned by the caller. Only what the kind of timing needs may be empty otherwise.
 struct TrackMemory {
   std::span<SpanDistance> span_distances = {};  ///< f + 1, for a drawn curve
   std::span<Portion> portions = {};             ///< breaks + 1
@@ -119,7 +119,7 @@ class Track {
   static Result<Track> make(const Path& path, const ArcLength& arc_length, const SpeedProfile& profile,
                             std::int32_t frames, FrameRate fps, const TrackMemory& memory);
 
-  /// The paper's way with keys that have frames: the move is broken in two at each of them, portion k uses
+  /// The paper's method with keys that have frames: the move is broken in two at each of them, portion k uses
   /// phi on its own interval of a with K_k = L_k / dPhi_k, and the speed jumps (Bartels and Hardtke 1989).
   /// `breaks` are in order of their keys, which lie inside the path, and of their frames.
   /// Errors: those of `make`; out_of_range (order, frames), no_distance (with the key where a portion ends).
@@ -205,8 +205,8 @@ class Track {
   }
 
   /// locate() at whole frames `first`, `first` + 1, ..., bit for bit, in runs of frames that share a span
-  /// of the speed curve and a piece of the path. Domain: 0 <= first, first + points.size() - 1 <= N. Returns
-  /// whether the points are known to be in order: rounding may put one before that in front of it.
+  /// of the speed curve and a piece of the arc length. Domain: 0 <= first, first + points.size() - 1 <= N.
+  /// Returns whether the points are known to be in order: rounding may put one before that in front of it.
   bool locate_frames(std::int32_t first, std::span<PathPoint> points) const;
 
   /// Point, speed and its derivatives along the path. After frame N and before frame 0: at rest.
@@ -244,12 +244,12 @@ class Track {
   [[nodiscard]] TwoSum distance_at(const CurvePlace& place) const {
     const SpanDistance& span = span_distances_[static_cast<std::size_t>(place.span)];
     TwoSum sum = span.begin;
-    sum.add(span.way(place.t));
+    sum.add(span.length(place.t));
     return sum;
   }
   [[nodiscard]] PathPoint locate_at(const CurvePlace& place) const {
     const SpanDistance& span = span_distances_[static_cast<std::size_t>(place.span)];
-    return arc_length_.locate(span.begin, span.way(place.t));
+    return arc_length_.locate(span.begin, span.length(place.t));
   }
   /// along() of a drawn curve and of frames, with infinities where it is beyond the range of double.
   [[nodiscard]] AlongPath along_profile(const FrameTime& time) const;
@@ -281,7 +281,7 @@ class Track {
   double inverse_frames_ = 0;
   double curve_rate_ = 0;
   double constant_ = 0;
-  bool is_plain_ = true;             ///< one drawn curve, no breaks: the way that must be quick
+  bool is_plain_ = true;             ///< one drawn curve, no breaks: the case that must be quick
   bool needs_nothing_more_ = false;  ///< plain, and positions need no Path::kept()
 };
 

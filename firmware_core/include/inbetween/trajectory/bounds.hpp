@@ -12,8 +12,8 @@
 namespace inbetween {
 
 /// Peaks of every axis from one time to another, one-sided at joints and at both: true <= peak <= 1.00001
-/// true; lowest and highest within 1e-9 of the way. Infinity, with the frame, where the asked motion has no
-/// bound (Trajectory::unbounded).
+/// true; lowest and highest within 1e-9 of the distance. Infinity, with the frame, where the asked motion has
+/// no bound (Trajectory::unbounded).
 ///
 /// Method: on a piece a derivative is a polynomial, and lies in the hull of its Bernstein coefficients
 /// (Farouki 2012, "The Bernstein polynomial basis: a centennial retrospective", section 5); pieces are halved

@@ -29,8 +29,8 @@ struct SampledJoint {
   CurvePlace curve_before, curve_after;            ///< of a drawn curve
   PathPoint point_before, point_after;             ///< of the path
   double constant_before = 0, constant_after = 0;  ///< of a drawn curve
-  /// So far along the path the motion may be from what is smooth here: the way to a turn so near to a key
-  /// that no time lies between both, and back.
+  /// So far along the path the motion may be from what is smooth here: the distance to a turn so near to a
+  /// key that no time lies between both, and back.
   double passed_by = 0;
 };
 
@@ -60,7 +60,7 @@ class TrackSampler {
     return {*track_, joints_.subspan(first, last - first + 1)};
   }
   [[nodiscard]] double weight(std::size_t axis) const { return track_->path().weights()[axis]; }
-  /// The way along the path, weighted, in whose rounding a position is known; 0 where none is measured.
+  /// The length of the path, weighted, in whose rounding a position is known; 0 where none is measured.
   [[nodiscard]] double length() const { return track_->has_profile() ? track_->arc_length().total() : 0; }
   /// Every axis is a cubic in time from joint to joint: its position and velocity at both say all.
   [[nodiscard]] bool is_cubic() const;
@@ -78,7 +78,7 @@ class TrackSampler {
   [[nodiscard]] SampledSpeed arriving(const SampledJoint& joint, std::span<AxisMotion> out) const;
   [[nodiscard]] SampledSpeed leaving(const SampledJoint& joint, std::span<AxisMotion> out) const;
   /// How far from its position at a point every axis is within so much of the distance along the path.
-  void write_reach(const PathPoint& point, double way, std::span<double> out) const;
+  void write_reach(const PathPoint& point, double offset, std::span<double> out) const;
   /// The lowest derivative of an axis that has no bound beside a joint at which the path stands still, if it
   /// is passed at a drawn speed: 1 velocity, 2 acceleration; 0 where all have one. `known` is what is known
   /// of the side that is meant.

@@ -145,9 +145,10 @@ double at_end_of_piece(const Trajectory& trajectory, const TrajectoryPiece& piec
 
 /// c[0] + c[1] u + ... + c[7] u^7.
 using PiecePolynomial = std::array<double, 8>;
-/// The way of an axis since the begin of a piece, as a polynomial in the u of the piece: c[0] is 0. Powers
-/// above the degree of the piece are 0. O(1).
-PiecePolynomial way_on_piece(const Trajectory& trajectory, const TrajectoryPiece& piece, std::size_t axis);
+/// The distance of an axis since the begin of a piece, as a polynomial in the u of the piece: c[0] is 0.
+/// Powers above the degree of the piece are 0. O(1).
+PiecePolynomial distance_on_piece(const Trajectory& trajectory, const TrajectoryPiece& piece,
+                                  std::size_t axis);
 /// The same polynomial between two places of its u, in a parameter that goes from 0 to 1 between them. O(1).
 PiecePolynomial part_of(const PiecePolynomial& whole, double from, double to);
 

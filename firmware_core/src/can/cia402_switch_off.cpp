@@ -17,8 +17,8 @@ bool Cia402Drive::goes_off() const {
   return phase_ == disabling || phase_ == disabled || (phase_ == leaving && order_.has_value());
 }
 
-/// A fault that only says that this program was silent for a while. It is reset on the way off, once the host
-/// is heard again; a fault of the drive itself stays for whoever looks at it.
+/// A fault that only says that this program was silent for a while. It is reset while the drive switches off,
+/// once the host is heard again; a fault of the drive itself stays for whoever looks at it.
 bool Cia402Drive::has_lost_touch_by_fault() const {
   return has_lost_touch_ && state() == Cia402State::fault && is_of_communication(last_emergency_.code);
 }
