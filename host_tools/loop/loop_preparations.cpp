@@ -8,7 +8,7 @@ Arming::Arming(RunLoop& loop) : Preparation(loop), positions_(loop.drive_states(
 
 Status Arming::begin() {
   if (loop_.post(SupervisorEvent::arm)) return Done{};
-  return Error{.code = ErrorCode::out_of_range, .what = "the rig is in use", .remedy = "disarm it first"};
+  return Error{.code = ErrorCode::wrong_state, .what = "the rig is in use", .remedy = "disarm it first"};
 }
 
 void Arming::press(TransportKey key) {

@@ -148,11 +148,12 @@ TEST(Exposure, BeginsOnlyWhereItsRunUpStarts) {
   const Bench bench;
   Playhead playhead = bench.playhead();
   ASSERT_TRUE(playhead.place_on(24));
-  EXPECT_FALSE(playhead.expose(exposure_of(24, 0, 0.5, 0.5)));
+  EXPECT_EQ(playhead.expose(exposure_of(24, 0, 0.5, 0.5)).error().code, ErrorCode::wrong_state);
   ASSERT_TRUE(playhead.go_to_run_up(exposure_of(24, 0, 0.5, 0.5)));
   playhead.tick();
-  EXPECT_FALSE(playhead.expose(exposure_of(24, 0, 0.5, 0.5))) << "it is on its way";
-  EXPECT_FALSE(playhead.go_to_run_up(exposure_of(24, 0, 0.5, 0.5)));
+  EXPECT_EQ(playhead.expose(exposure_of(24, 0, 0.5, 0.5)).error().code, ErrorCode::wrong_state)
+      << "it is on its way";
+  EXPECT_EQ(playhead.go_to_run_up(exposure_of(24, 0, 0.5, 0.5)).error().code, ErrorCode::wrong_state);
 }
 
 /// Whoever plays while the playhead is beyond an end, on its way to a run-up, in it or at rest there.

@@ -101,7 +101,8 @@ TEST(FrameShoot, GoesSettlesSignalsAndWaitsOnEveryFrame) {
     for (int i = 0; i < 3; ++i) {
       EXPECT_TRUE(set.shoot.camera());
       EXPECT_EQ(set.room.targets(), set.planned({frame, 0}));
-      EXPECT_FALSE(set.shoot.trigger()) << "nothing moves while the camera exposes";
+      EXPECT_EQ(set.shoot.trigger().error().code, ErrorCode::wrong_state)
+          << "nothing moves while the camera exposes";
       set.tick();
     }
     EXPECT_FALSE(set.shoot.camera());
@@ -238,7 +239,7 @@ TEST(FrameShoot, AStopEndsTheSignalAndTheFrameIsShotAgain) {
   EXPECT_EQ(set.loop.state(), SupervisorState::latched);
   EXPECT_EQ(set.shoot.phase(), ShootPhase::idle);
   EXPECT_EQ(set.shoot.exposures(), 0);
-  EXPECT_FALSE(set.shoot.trigger());
+  EXPECT_EQ(set.shoot.trigger().error().code, ErrorCode::wrong_state);
   ASSERT_TRUE(set.loop.post(SupervisorEvent::acknowledge));
   set.tick();
   set.tick();
@@ -320,10 +321,10 @@ TEST(FrameShoot, FinishesOnlyAtRest) {
   Set set(resting);
   ASSERT_TRUE(set.shoot.shoot(5));
   set.tick();
-  EXPECT_FALSE(set.loop.finish());
+  EXPECT_EQ(set.loop.finish().error().code, ErrorCode::wrong_state);
   set.tick_until(ShootPhase::waiting);
   EXPECT_TRUE(set.loop.finish());
-  EXPECT_FALSE(set.loop.finish()) << "it does not run any more";
+  EXPECT_EQ(set.loop.finish().error().code, ErrorCode::wrong_state) << "it does not run any more";
 }
 
 }  // namespace frame_shoot_test

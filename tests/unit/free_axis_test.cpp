@@ -176,8 +176,8 @@ TEST(FreeAxis, HaltedItIsAtRestWhereItIs) {
   ASSERT_TRUE(axis.drive(100));
   tick_for(axis, 100);
   const double here = axis.position();
-  EXPECT_FALSE(axis.place(7));
-  EXPECT_FALSE(axis.set_range(0, 10));
+  EXPECT_EQ(axis.place(7).error().code, ErrorCode::wrong_state);
+  EXPECT_EQ(axis.set_range(0, 10).error().code, ErrorCode::wrong_state);
   axis.halt();
   EXPECT_TRUE(axis.is_resting());
   EXPECT_EQ(axis.tick().position, here);

@@ -429,7 +429,7 @@ TEST(MotionLoop, PlaysWhatIsNotOnATimeLineUntilItRests) {
   FreeAxis pan = FreeCrane::axes_at({10, 100})[0];
   ASSERT_TRUE(pan.go_to(40));
   crane.tick(1);
-  EXPECT_FALSE(crane.loop.finish()) << "it moves";
+  EXPECT_EQ(crane.loop.finish().error().code, ErrorCode::wrong_state) << "it moves";
   for (int tick = 1; !crane.axes.is_resting(); ++tick) {
     ASSERT_EQ(crane.at()[2], pan.tick().position) << tick;
     ASSERT_EQ(crane.at()[1], 0.25) << "the lamp holds its place";
@@ -446,7 +446,7 @@ TEST(MotionLoop, PlaysWhatIsNotOnATimeLineUntilItRests) {
 
 TEST(MotionLoop, WithoutAMoveThereIsNoneToStart) {
   FreeCrane crane;
-  EXPECT_FALSE(crane.loop.begin()) << "not armed";
+  EXPECT_EQ(crane.loop.begin().error().code, ErrorCode::wrong_state) << "not armed";
   crane.arm();
   const Status refused = crane.loop.start(Direction::forward);
   ASSERT_FALSE(refused);

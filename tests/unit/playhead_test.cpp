@@ -345,7 +345,8 @@ TEST(Playhead, GoingToAFrameWhilePlayingStopsFirst) {
     playhead.tick();
     record.take(playhead);
   }
-  EXPECT_FALSE(playhead.step(Direction::forward)) << "there is no next frame while time runs";
+  EXPECT_EQ(playhead.step(Direction::forward).error().code, ErrorCode::wrong_state)
+      << "there is no next frame while time runs";
   ASSERT_TRUE(playhead.go_to(10));
   EXPECT_EQ(tick_until_rest(playhead, &record), PlayheadEvent::arrived);
   EXPECT_EQ(frames_of(playhead.time()), 10);
@@ -559,9 +560,9 @@ TEST(Playhead, AStopThatIsTakenBackIsReleasedAndGoesOnWithinTheMotionLimits) {
 TEST(Playhead, AtItsEndThereIsNothingMoreToPlay) {
   const Bench bench(bends());
   Playhead playhead = bench.playhead();
-  EXPECT_FALSE(playhead.play(Direction::backward));
+  EXPECT_EQ(playhead.play(Direction::backward).error().code, ErrorCode::wrong_state);
   ASSERT_TRUE(playhead.place_on(240));
-  EXPECT_FALSE(playhead.play(Direction::forward));
+  EXPECT_EQ(playhead.play(Direction::forward).error().code, ErrorCode::wrong_state);
   EXPECT_TRUE(playhead.is_resting());
 }
 

@@ -319,7 +319,7 @@ bool Cia402Drive::holds_its_place() const {
 Status Cia402Drive::set_position_limits(const CountRange& limits) {
   if (phase_ != off) {
     return Error{
-        .code = ErrorCode::out_of_range, .what = "the drive is in use", .remedy = "switch it off first"};
+        .code = ErrorCode::wrong_state, .what = "the drive is in use", .remedy = "switch it off first"};
   }
   Cia402Setup setup = settings_.setup;
   setup.position_limits = limits;

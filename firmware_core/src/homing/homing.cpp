@@ -26,6 +26,10 @@ Error refusal(const char* what, const char* remedy) {
   return {.code = ErrorCode::out_of_range, .what = what, .remedy = remedy};
 }
 
+Error not_now(const char* what, const char* remedy) {
+  return {.code = ErrorCode::wrong_state, .what = what, .remedy = remedy};
+}
+
 }  // namespace
 
 Result<AxisHoming> AxisHoming::make(const HomingSpec& spec, FreeAxis& axis) {
@@ -67,12 +71,12 @@ double AxisHoming::spike_distance() const {
 }
 
 Status AxisHoming::can_begin(const HomingInput& input) const {
-  if (is_moving() || !axis_->is_resting()) return refusal("an axis moves already", "stop it first");
+  if (is_moving() || !axis_->is_resting()) return not_now("an axis moves already", "stop it first");
   if (input.limit_hit) {
-    return refusal("an axis stands on a limit switch",
+    return not_now("an axis stands on a limit switch",
                    "drive it off the switch, slowly, and look where it goes");
   }
-  if (input.drive_fault) return refusal("the drive of an axis has a fault", "see what the drive tells");
+  if (input.drive_fault) return not_now("the drive of an axis has a fault", "see what the drive tells");
   const double here = axis_->position();
   // A position far from 0 resolves no short distance: the axis would back off by nothing, for ever.
   if (!(std::fabs(here) + reach() <= Precision::largest && here - spec_.back_off < here &&

@@ -10,7 +10,7 @@ constexpr std::array<const char*, shoot_phases> phase_names{"idle",     "travell
                                                             "exposing", "waiting",    "done"};
 
 Error not_now(const char* what) {
-  return {.code = ErrorCode::out_of_range, .what = what, .remedy = "wait until it rests"};
+  return {.code = ErrorCode::wrong_state, .what = what, .remedy = "wait until it rests"};
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ Status FrameShoot::trigger() {
     case ShootPhase::done:
       break;
   }
-  return Error{.code = ErrorCode::out_of_range, .what = "nothing is being shot", .remedy = "start first"};
+  return Error{.code = ErrorCode::wrong_state, .what = "nothing is being shot", .remedy = "start first"};
 }
 
 Status FrameShoot::shoot_again() {

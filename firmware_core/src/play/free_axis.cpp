@@ -157,9 +157,14 @@ void FreeAxis::halt() {
 
 Status FreeAxis::place(double position) {
   if (!std::isfinite(position)) return not_finite;
-  if (!is_resting() || std::fabs(position) > Precision::largest) {
+  if (std::fabs(position) > Precision::largest) {
     return Error{.code = ErrorCode::out_of_range,
-                 .what = "an axis that moves is given a position, or one that is too far to be computed",
+                 .what = "an axis is given a position that is too far to be computed",
+                 .remedy = "use larger units"};
+  }
+  if (!is_resting()) {
+    return Error{.code = ErrorCode::wrong_state,
+                 .what = "an axis that moves is given a position",
                  .remedy = "wait until it rests"};
   }
   rest_at(position);
@@ -169,7 +174,7 @@ Status FreeAxis::place(double position) {
 Status FreeAxis::set_range(double min, double max) {
   if (const Status range = check_range(min, max); !range) return range;
   if (!is_resting()) {
-    return Error{.code = ErrorCode::out_of_range,
+    return Error{.code = ErrorCode::wrong_state,
                  .what = "an axis that moves is given other soft limits",
                  .remedy = "wait until it rests"};
   }

@@ -53,7 +53,7 @@ Status Playhead::play(Direction direction) {
   const bool rests = is_resting() || here != time_;
   if (rests && here == end_towards(direction)) {
     if (repeat_ == Repeat::none) {
-      return Error{.code = ErrorCode::out_of_range,
+      return Error{.code = ErrorCode::wrong_state,
                    .what = "the move is at that end already",
                    .remedy = "play it the other way, or go to a frame first"};
     }
@@ -101,7 +101,7 @@ Status Playhead::step(Direction direction) {
   } else if (state_ == PlayheadState::travelling) {
     from = travel_.to;
   } else if (!is_resting()) {
-    return Error{.code = ErrorCode::out_of_range,
+    return Error{.code = ErrorCode::wrong_state,
                  .what = "a step needs a move that rests",
                  .remedy = "stop it first, or go to a frame"};
   }
@@ -122,7 +122,7 @@ Status Playhead::set_override(double rate) {
 Status Playhead::place_on(std::int32_t frame) {
   if (!is_on_time_line({frame, 0})) return not_on_time_line();
   if (!is_resting()) {
-    return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
+    return Error{.code = ErrorCode::wrong_state, .what = "the move is running", .remedy = "stop it first"};
   }
   time_ = {frame, 0};
   return Done{};
@@ -434,7 +434,7 @@ Result<ExposureTravel> Playhead::travel_of(const Exposure& exposure) const {
 
 Status Playhead::go_to_run_up(const Exposure& exposure) {
   if (!is_resting()) {
-    return Error{.code = ErrorCode::out_of_range, .what = "the move is running", .remedy = "stop it first"};
+    return Error{.code = ErrorCode::wrong_state, .what = "the move is running", .remedy = "stop it first"};
   }
   const Result<Journey> journey = journey_of(exposure);
   if (!journey) return journey.error();
@@ -446,7 +446,7 @@ Status Playhead::expose(const Exposure& exposure) {
   const Result<Journey> journey = journey_of(exposure);
   if (!journey) return journey.error();
   if (!is_resting() || time_ != journey->from) {
-    return Error{.code = ErrorCode::out_of_range,
+    return Error{.code = ErrorCode::wrong_state,
                  .what = "the run-up to an exposure starts elsewhere",
                  .remedy = "go to the start of its run-up first"};
   }

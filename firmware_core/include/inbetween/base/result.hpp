@@ -19,6 +19,7 @@ enum class ErrorCode : std::uint8_t {
   not_converged,  ///< an iteration ended without the accuracy asked for
   no_solution,    ///< the requests contradict each other or the range of the speed curve
   singular,       ///< the path stands still at a point where the method must divide by its speed
+  wrong_state,    ///< not possible now: something moves, is not ready, or does not run
 };
 
 /// The mistake and its place. An error is plain data: the texts are string literals, and it owns nothing. A

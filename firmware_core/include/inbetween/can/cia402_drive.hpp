@@ -88,7 +88,7 @@ class Cia402Drive {
 
   [[nodiscard]] NodeId node() const { return settings_.setup.node; }
   /// The limits of positions that it will be told in its next set-up. Errors: those of write_setup_script;
-  /// out_of_range (it is in use). Then nothing changes.
+  /// wrong_state (it is in use). Then nothing changes.
   Status set_position_limits(const CountRange& limits);
   [[nodiscard]] Cia402Mode mode() const { return settings_.setup.mode; }
   /// Which RPDO carries its targets: the first that can be mapped so.

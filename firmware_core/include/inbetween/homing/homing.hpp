@@ -112,9 +112,9 @@ class Homing {
   /// The axes reach the setpoints of a tick `delay_ns` after it; that is at least a tick.
   Homing(std::span<AxisHoming> axes, std::int64_t delay_ns) : axes_(axes), delay_ns_(delay_ns) {}
 
-  /// Begins with all axes, from where they rest. Errors, all with axis; then nothing has begun: out_of_range
-  /// (it is under way already; the axis moves, is on a limit switch, or its drive has a fault; the positions
-  /// on the way cannot be computed), wrong_count (not an input for every axis; without axis).
+  /// Begins with all axes, from where they rest. Errors, all with axis; then nothing has begun: wrong_state
+  /// (it is under way already; the axis moves, is on a limit switch, or its drive has a fault), out_of_range
+  /// (the positions on the way cannot be computed), wrong_count (not an input for every axis; without axis).
   Status start(std::int64_t now_ns, std::span<const HomingInput> inputs);
   /// The caller calls this once a tick, at `now_ns`, with an input for every axis, the events of all lines
   /// since the last tick in the order of their times, and room for a setpoint of every axis; otherwise the

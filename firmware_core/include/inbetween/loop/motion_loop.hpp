@@ -87,9 +87,9 @@ class MotionLoop {
   MotionLoop(Drives& drives, Lines& lines, const LoopMemory& memory)
       : drives_(&drives), lines_(&lines), memory_(memory) {}
 
-  /// The move that `start` will begin. Errors: out_of_range (a move is running; it has motors behind a
-  /// calibration, and the drives cannot play them), wrong_count (drive_of, limits or memory are not as many
-  /// as the axes).
+  /// The move that `start` will begin. Errors: wrong_state (a move is running), out_of_range (it has motors
+  /// behind a calibration, and the drives cannot play them), wrong_count (drive_of, limits or memory are not
+  /// as many as the axes).
   Status load(const LoopSpec& spec) {
     const std::size_t axes = spec.move->axis_count();
     const std::size_t still = spec.still != nullptr ? axes : 0;
@@ -133,13 +133,12 @@ class MotionLoop {
     return apply(event);
   }
 
-  /// Begins the move from the frame on which the playhead rests. Errors: those of `begin`; out_of_range
-  /// (nothing more to play).
+  /// Begins the move from the frame on which the playhead rests. Errors: those of `begin`; wrong_state
+  /// (no move, or nothing more to play).
   Status start(Direction direction) {
     if (const Status possible = can_begin(); !possible) return possible;
     if (has_free()) {
-      return Error{
-          .code = ErrorCode::out_of_range, .what = "there is no move to start", .remedy = "load one"};
+      return Error{.code = ErrorCode::wrong_state, .what = "there is no move to start", .remedy = "load one"};
     }
     if (const Status can_play = spec_.playhead->play(direction); !can_play) return can_play;
     if (spec_.still != nullptr) {
@@ -151,7 +150,7 @@ class MotionLoop {
   }
 
   /// From now on the rig follows the playhead, which rests and is told by others what to do. Errors:
-  /// out_of_range (nothing loaded, not ready), no_solution with axis (the axis is not where the playhead is:
+  /// wrong_state (nothing loaded, not ready), no_solution with axis (the axis is not where the playhead is:
   /// within what max_acceleration covers in a tick, or a count if that is more).
   Status begin() {
     if (const Status possible = can_begin(); !possible) return possible;
@@ -161,10 +160,10 @@ class MotionLoop {
   }
 
   /// Ends what was begun, though the playhead is not at the end of the time line: ready again. Errors:
-  /// out_of_range (it does not run, or moves).
+  /// wrong_state (it does not run, or moves).
   Status finish() {
     if (state_ != SupervisorState::running || !is_resting()) {
-      return Error{.code = ErrorCode::out_of_range,
+      return Error{.code = ErrorCode::wrong_state,
                    .what = "the rig does not rest on the path",
                    .remedy = "wait until it does"};
     }
@@ -234,7 +233,7 @@ class MotionLoop {
   }
   [[nodiscard]] Status can_load(std::size_t drives, std::size_t limits, std::size_t axes) const {
     if (is_moving()) {
-      return Error{.code = ErrorCode::out_of_range, .what = "a move is running", .remedy = "stop it first"};
+      return Error{.code = ErrorCode::wrong_state, .what = "a move is running", .remedy = "stop it first"};
     }
     if (drives != axes || limits != axes || memory_.next.size() < axes) return too_few(axes);
     return Done{};
@@ -242,7 +241,7 @@ class MotionLoop {
 
   [[nodiscard]] Status can_begin() {
     if ((spec_.move == nullptr && !has_free()) || state_ != SupervisorState::ready) {
-      return Error{.code = ErrorCode::out_of_range,
+      return Error{.code = ErrorCode::wrong_state,
                    .what = "the rig is not ready for a move",
                    .remedy = "load one, arm the rig and wait until its drives are on"};
     }

@@ -70,18 +70,18 @@ class FrameShoot {
   /// Playhead::travel_of; no_solution (the motion steps while the rig exposes it). O(N times the cells that a
   /// run-up passes).
   [[nodiscard]] Status check() const;
-  /// Goes to a frame and shoots it. The playheads rest. Errors: out_of_range (the frame is not to be shot;
-  /// the camera exposes), those of Playhead::go_to_run_up.
+  /// Goes to a frame and shoots it. The playheads rest. Errors: those of look_at; out_of_range (the frame
+  /// is not to be shot), those of Playhead::go_to_run_up.
   Status shoot(std::int32_t frame);
-  /// Goes to a frame and stands there. Errors: out_of_range (no such frame; the rig moves or the camera
-  /// exposes).
+  /// Goes to a frame and stands there. Errors: out_of_range (no such frame), wrong_state (the rig moves or
+  /// the camera exposes).
   Status look_at(std::int32_t frame);
   /// Takes a trigger from a key or from the line of a camera: shoots the frame that it stands on, or where
   /// that was shot the next that was not; is done where there is none. A trigger during the run-out of an
-  /// exposure is kept until the rig rests. Errors: out_of_range if nothing waits for it. O(N).
+  /// exposure is kept until the rig rests. Errors: wrong_state if nothing waits for it. O(N).
   Status trigger();
   /// Shoots the frame that it stands on, which may have been shot before. Errors: those of shoot;
-  /// out_of_range if it stands on none.
+  /// wrong_state if it stands on none.
   Status shoot_again();
   /// Tells that the rig was stopped: the camera loses its signal, and the frame is not shot.
   void interrupt();

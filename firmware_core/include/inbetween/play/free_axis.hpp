@@ -58,9 +58,11 @@ class FreeAxis {
   void stop();
   /// Puts the axis at rest at once, where it is. Use it only for an axis whose setpoints are no longer sent.
   void halt();
-  /// Sets the position of an axis at rest without a motion. Errors: not_finite, out_of_range (not resting).
+  /// Sets the position of an axis at rest without a motion. Errors: not_finite, out_of_range (beyond
+  /// Precision::largest), wrong_state (not resting).
   Status place(double position);
-  /// Sets other soft limits. Errors: not_finite, out_of_range (not resting; min >= max).
+  /// Sets other soft limits. Errors: not_finite, out_of_range (min >= max), wrong_state
+  /// (not resting).
   Status set_range(double min, double max);
 
   /// One tick later. O(1).

@@ -82,7 +82,7 @@ class Playhead {
            std::span<const StopBounds> rungs = {});
 
   /// Plays towards an end at the override rate. A playhead that runs the other way turns. Errors:
-  /// out_of_range (it is at that end already, and does not repeat).
+  /// wrong_state (it is at that end already, and does not repeat).
   Status play(Direction direction);
   /// Makes a controlled stop: the playhead rests as soon as the bounds allow. This is always possible; a
   /// playhead at rest stays at rest. A travel that would end as soon goes on to its end (`arrived`), so that
@@ -96,20 +96,20 @@ class Playhead {
   Status go_to(const FrameTime& place);
   Status go_to(std::int32_t frame) { return go_to(FrameTime{frame, 0}); }
   /// Travels to the next whole frame in a direction, counted from the frame that it is travelling to. Errors:
-  /// out_of_range (beyond the end).
+  /// out_of_range (beyond the end), wrong_state (it plays or slows down).
   Status step(Direction direction);
   /// The travel of an exposure with its run-up and run-out. Errors and cost: those of go_to_run_up, which
   /// needs a playhead that rests.
   [[nodiscard]] Result<ExposureTravel> travel_of(const Exposure& exposure) const;
   /// Travels to the start of the run-up to an exposure, and rests there (`arrived`).
-  /// Errors: out_of_range (not resting; the exposure covers no time, or needs a rate above that of the
-  /// bounds), not_converged (no run-up within the bounds was found).
-  /// O(cells of the stop bounds that it passes).
+  /// Errors: wrong_state (not resting), out_of_range (the exposure covers no time, or needs a rate above that
+  /// of the bounds), not_converged (no run-up within the bounds was found). O(cells of the stop bounds that
+  /// it passes).
   Status go_to_run_up(const Exposure& exposure);
   /// Exposes from there: a run-up, then the constant rate (close - open) / seconds from open to close, then a
   /// run-out to rest behind it (`arrived`). The shutter opens on a tick (`opened`), and the rate stays until
   /// the first tick at or after the end of the exposure (`closed`). Errors: those of go_to_run_up;
-  /// out_of_range (not at its start).
+  /// wrong_state (not at its start).
   Status expose(const Exposure& exposure);
   /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
   /// out_of_range (not in 0 < rate <= StopBounds::rate()).
@@ -117,7 +117,7 @@ class Playhead {
   /// Domain: a loop only of what can_loop().
   void set_repeat(Repeat repeat) { repeat_ = repeat; }
   /// Puts a playhead at rest on a frame without a travel, for a rig that was moved otherwise. Errors:
-  /// out_of_range (not on the time line; not resting).
+  /// out_of_range (not on the time line), wrong_state (not resting).
   Status place_on(std::int32_t frame);
   /// Takes the playhead, with whatever it does and will do, so many whole frames along the time line. For a
   /// move that does the same there, turn after turn: nothing is rounded, and no number grows. Domain: here
