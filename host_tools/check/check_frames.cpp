@@ -238,7 +238,7 @@ MoveFile with_frames(const MoveFile& move, std::int32_t frames) {
       if (key.overlap) key.overlap = scaled(*key.overlap, frames, move.frames);
       if (key.hold) key.hold = std::max(scaled(*key.hold, frames, move.frames), 1);
     }
-    for (std::optional<EaseWish>* ease : {&track.ease_in, &track.ease_out}) {
+    for (std::optional<EaseRequest>* ease : {&track.ease_in, &track.ease_out}) {
       if (*ease && (*ease)->frames > 0)
         (*ease)->frames = std::max(scaled((*ease)->frames, frames, move.frames), 1);
     }
@@ -258,7 +258,7 @@ std::string in_proportion(const MoveFile& move) {
       has_frames = has_frames || key.frame.value_or(0) > 0;
       has_holds = has_holds || key.hold.has_value();
     }
-    for (const std::optional<EaseWish>& ease : {track.ease_in, track.ease_out})
+    for (const std::optional<EaseRequest>& ease : {track.ease_in, track.ease_out})
       has_eases = has_eases || (ease && ease->frames > 0);
   }
   std::vector<std::string> words;

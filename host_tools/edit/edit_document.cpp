@@ -21,7 +21,7 @@ bool is_live(const MoveTrack& track) {
   const bool follows = track.space || track.distance || track.network;
   if (follows || track.ease_corners) return false;
   if (track.timing == Timing::frames) return kinetic_of(track) != MoveKinetic::pace;
-  return track.curve_wishes.empty();
+  return track.curve_requests.empty();
 }
 
 void write_key(JsonWriter& json, const MoveKey& key, std::size_t index) {
@@ -117,7 +117,7 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   json.member("weights", track.weights);
   const RestingEnds rest = track.rest.value_or(RestingEnds{});
   json.member("rests", std::array{rest.start, rest.end});
-  // What is played where a page cannot work it out from what is drawn; as drawn, its wishes about the ends
+  // What is played where a page cannot work it out from what is drawn; as drawn, its requests about the ends
   // included, where it can.
   const bool is_played = is_pace || track.ease_corners;
   json.key("speed");

@@ -69,7 +69,7 @@ std::string with_frames_of(std::string_view text, const std::string& file_name, 
       if (key.frame) numbers.push_back({key.frame_place, *key.frame});
       if (key.hold) numbers.push_back({key.hold_place, *key.hold});
     }
-    for (const std::optional<EaseWish>& ease : {track.ease_in, track.ease_out}) {
+    for (const std::optional<EaseRequest>& ease : {track.ease_in, track.ease_out}) {
       if (ease) numbers.push_back({ease->place, ease->frames});
     }
   }

@@ -136,9 +136,9 @@ class TrackSearch {
   }
 
   [[nodiscard]] std::vector<double> curved(const Level& level, const CurveFrame& frame) const {
-    return curvature_start(fitted_.track(), fitted_.axes(), wishes(level, frame));
+    return curvature_start(fitted_.track(), fitted_.axes(), request(level, frame));
   }
-  [[nodiscard]] static StartWishes wishes(const Level& level, const CurveFrame& frame) {
+  [[nodiscard]] static StartRequest request(const Level& level, const CurveFrame& frame) {
     return {
         .values = level.baseline, .rests = frame.rests, .refinements = level.refinements, .ends = frame.ends};
   }
@@ -202,7 +202,7 @@ class TrackSearch {
       if (options_.ends()) break;
       Tools with = tools(level);
       if (Found found = from(with.descent.nearest(curved(level, with.frame)), with, level)) return found;
-      if (Found found = from(with.descent.nearest(flat_start(wishes(level, with.frame))), with, level))
+      if (Found found = from(with.descent.nearest(flat_start(request(level, with.frame))), with, level))
         return found;
       break;
     }

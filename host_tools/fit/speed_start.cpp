@@ -20,28 +20,28 @@ constexpr int max_points = 64'000;
 constexpr int bisections = 100;
 
 /// 0 at the rests, 1 far from them, for every control value.
-std::vector<double> ramp_of(const StartWishes& wishes) {
-  const std::size_t count = wishes.values.size();
-  const double step = std::ldexp(1 / ramp_spans, -wishes.refinements);
+std::vector<double> ramp_of(const StartRequest& request) {
+  const std::size_t count = request.values.size();
+  const double step = std::ldexp(1 / ramp_spans, -request.refinements);
   std::vector<double> ramp(count, 1);
   double away = 1;
   for (std::size_t i = 0; i < count; ++i) {
-    away = wishes.rests[i] ? 0 : std::min(away + step, 1.0);
+    away = request.rests[i] ? 0 : std::min(away + step, 1.0);
     ramp[i] = away;
   }
   away = 1;
   for (std::size_t i = count; i-- > 0;) {
-    away = wishes.rests[i] ? 0 : std::min(away + step, 1.0);
+    away = request.rests[i] ? 0 : std::min(away + step, 1.0);
     const double u = std::min(ramp[i], away);
     ramp[i] = u * u * (3 - 2 * u);
   }
   return ramp;
 }
 
-/// Scales the values so that their Phi(f) is that of the wishes. A value may end above 100.
-std::vector<double> scaled(std::vector<double> values, const StartWishes& wishes) {
+/// Scales the values so that their Phi(f) is that of the request. A value may end above 100.
+std::vector<double> scaled(std::vector<double> values, const StartRequest& request) {
   const double factor =
-      ControlCurve(wishes.values, wishes.ends).total() / ControlCurve(values, wishes.ends).total();
+      ControlCurve(request.values, request.ends).total() / ControlCurve(values, request.ends).total();
   for (double& value : values) value *= factor;
   return values;
 }
@@ -104,17 +104,17 @@ double pace_for(std::span<const Reach> reaches, double seconds) {
 
 }  // namespace
 
-std::vector<double> flat_start(const StartWishes& wishes) {
-  return scaled(ramp_of(wishes), wishes);
+std::vector<double> flat_start(const StartRequest& request) {
+  return scaled(ramp_of(request), request);
 }
 
 std::vector<double> curvature_start(const Track& track, std::span<const RigAxis> axes,
-                                    const StartWishes& wishes) {
-  const std::vector<double> ramp = ramp_of(wishes);
+                                    const StartRequest& request) {
+  const std::vector<double> ramp = ramp_of(request);
   const std::vector<Reach> reaches = reaches_of(track, axes);
-  const double spans_per_s = std::ldexp(track.curve_rate(), wishes.refinements);
+  const double spans_per_s = std::ldexp(track.curve_rate(), request.refinements);
   // dL/dt = ramp(a) speed(L) is separable: the seconds at full speed are the integral of the ramp.
-  const ControlCurve ramp_curve(ramp, wishes.ends);
+  const ControlCurve ramp_curve(ramp, request.ends);
   const double seconds = ramp_curve.total() / spans_per_s;
   const double pace = pace_for(reaches, seconds);
   const double all = seconds_of(reaches, pace);
@@ -132,7 +132,7 @@ std::vector<double> curvature_start(const Track& track, std::span<const RigAxis>
     }
     values.push_back(ramp[i] * speed_of(reaches[next], pace));
   }
-  return scaled(values, wishes);
+  return scaled(values, request);
 }
 
 }  // namespace inbetween

@@ -10,7 +10,7 @@
 namespace inbetween {
 
 /// The properties that a start shall have.
-struct StartWishes {
+struct StartRequest {
   std::span<const double> values;  ///< the curve whose rests, number of values and Phi(f) are kept
   const std::vector<bool>& rests;  ///< one per value
   int refinements = 0;             ///< how often the played curve has been refined to give `values`
@@ -18,7 +18,7 @@ struct StartWishes {
 };
 
 /// Rises from every rest within two spans of the drawn curve and is constant elsewhere.
-std::vector<double> flat_start(const StartWishes& wishes);
+std::vector<double> flat_start(const StartRequest& request);
 
 /// A speed along the path, proportional to 1 / sqrt(curvature), that makes the acceleration across the path
 /// even (Mastin 1986, Parameterization in grid generation). It is nowhere above the max_velocity of an axis,
@@ -28,6 +28,6 @@ std::vector<double> flat_start(const StartWishes& wishes);
 ///
 /// `axes` are those of the track. Cost: 64 points per segment of the path.
 std::vector<double> curvature_start(const Track& track, std::span<const RigAxis> axes,
-                                    const StartWishes& wishes);
+                                    const StartRequest& request);
 
 }  // namespace inbetween

@@ -45,7 +45,7 @@ Status Disarming::begin() {
 void Disarming::tick(std::int32_t ticks, std::int64_t now_ns) {
   loop_.tick(ticks, now_ns);
   const SupervisorState state = loop_.state();
-  // The first wish stops what moves; another one switches it off.
+  // The first request stops what moves; another one switches it off.
   if (state != SupervisorState::stopping && state != SupervisorState::disarmed) {
     loop_.post(SupervisorEvent::disarm);
   }

@@ -196,23 +196,23 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
   }
 }
 
-/// The wishes about the drawn curve. Each is kept with its place, so that a curve which has it already
+/// The requests about the drawn curve. Each is kept with its place, so that a curve which has it already
 /// can be written into the file.
-void read_curve_wishes(const TomlTable& table, MoveTrack& track, std::int32_t frames) {
+void read_curve_requests(const TomlTable& table, MoveTrack& track, std::int32_t frames) {
   const auto keep = [&](const TomlValue& value, std::string_view as_drawn) {
     if (track.timing == Timing::frames) {
       value.refuse(R"(belongs to a drawn speed, and timing = "frames" has none; remove one of the two)");
     }
-    track.curve_wishes.push_back({value.place(), as_drawn});
+    track.curve_requests.push_back({value.place(), as_drawn});
   };
-  const auto ease = [&](std::string_view field, bool may_rest) -> std::optional<EaseWish> {
+  const auto ease = [&](std::string_view field, bool may_rest) -> std::optional<EaseRequest> {
     const auto value = table.optional(field);
     if (!value) return std::nullopt;
-    const EaseWish wish{static_cast<std::int32_t>(value->integer(0, frames)), value->place()};
+    const EaseRequest request{static_cast<std::int32_t>(value->integer(0, frames)), value->place()};
     keep(*value, "0");
-    if (wish.frames > 0 && !may_rest)
+    if (request.frames > 0 && !may_rest)
       value->refuse("contradicts rest, by which this end is as drawn; remove one");
-    return wish;
+    return request;
   };
   const RestingEnds rest = track.rest.value_or(RestingEnds{});
   track.ease_in = ease("ease_in", rest.start);
@@ -230,7 +230,7 @@ void read_curve_wishes(const TomlTable& table, MoveTrack& track, std::int32_t fr
   if (const auto written = table.optional("rest"); written && track.timing == Timing::speed) {
     keep(*written, "\"none\"");
   }
-  std::ranges::sort(track.curve_wishes, [](const CurveWish& one, const CurveWish& other) {
+  std::ranges::sort(track.curve_requests, [](const CurveRequest& one, const CurveRequest& other) {
     return std::pair(one.place.line, one.place.column) < std::pair(other.place.line, other.place.column);
   });
 }
@@ -255,7 +255,7 @@ void read_periodic(const TomlTable& table, MoveTrack& track) {
     track.rest = none;
     return;
   }
-  const auto takes_time = [](const std::optional<EaseWish>& ease) { return ease && ease->frames > 0; };
+  const auto takes_time = [](const std::optional<EaseRequest>& ease) { return ease && ease->frames > 0; };
   if (takes_time(track.ease_in) || takes_time(track.ease_out)) {
     periodic->refuse(
         "has a speed curve without ends; remove ease_in and ease_out, and where the speed shall fall to 0 "
@@ -288,7 +288,7 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
     track.timing = timing->choice({"speed", "frames"}) == 0 ? Timing::speed : Timing::frames;
   }
   read_kinetic(table, track);
-  read_curve_wishes(table, track, frames);
+  read_curve_requests(table, track, frames);
   if (const auto overshoot = table.optional("overshoot")) {
     track.overshoot = overshoot->boolean();
     if (!track.overshoot && track.spline != Spline::smooth && track.spline != Spline::catmull_rom) {
@@ -339,7 +339,7 @@ void replace_curve(MoveTrack& track, std::vector<double> control_values) {
   track.ease_in.reset();
   track.ease_out.reset();
   track.through = false;
-  track.curve_wishes.clear();
+  track.curve_requests.clear();
 }
 
 MoveKinetic kinetic_of(const MoveTrack& track) {

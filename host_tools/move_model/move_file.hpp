@@ -79,13 +79,13 @@ struct MoveKey {
 };
 
 /// How many frames an end of the speed curve takes between rest and what is drawn.
-struct EaseWish {
+struct EaseRequest {
   std::int32_t frames = 0;  // 0: none
   Place place;
 };
 
 /// A word of the file that changes what is played of the speed curve, and what to write for as drawn.
-struct CurveWish {
+struct CurveRequest {
   Place place;
   std::string_view as_drawn;
 };
@@ -152,10 +152,10 @@ struct MoveTrack {
   Timing timing = Timing::speed;
   std::optional<MoveKinetic> kinetic;  // only with Timing::frames
   std::optional<RestingEnds> rest;     // of a drawn speed: absent, as drawn
-  std::optional<EaseWish> ease_in, ease_out;
+  std::optional<EaseRequest> ease_in, ease_out;
   bool through = false;  // `speed` are values of the curve, not control values
-  std::vector<CurveWish>
-      curve_wishes;           // rest, ease_in, ease_out, through of a drawn speed, in order of the file
+  std::vector<CurveRequest>
+      curve_requests;         // rest, ease_in, ease_out, through of a drawn speed, in order of the file
   bool ease_corners = false;  // the speed touches 0 wherever the path turns at once
   bool overshoot = true;      // false: no axis leaves the values of neighbouring keys between them
   std::optional<std::int32_t> overlap;  // frames, of straight ways timed by frames

@@ -91,7 +91,7 @@ bool same_key(const MoveKey& a, const MoveKey& b) {
          a.hold == b.hold && a.ease == b.ease && a.overlap == b.overlap && a.round == b.round;
 }
 
-std::int32_t frames_of(const std::optional<EaseWish>& ease) {
+std::int32_t frames_of(const std::optional<EaseRequest>& ease) {
   return ease ? ease->frames : 0;
 }
 
@@ -126,14 +126,14 @@ std::size_t end_of_word(std::string_view text, std::size_t begin) {
   return std::min(text.find_first_of(" \t\r\n,#}]", begin), text.size());
 }
 
-/// The file with every wish of the track about its curve as drawn: the new one has what they asked for.
-std::string without_wishes(std::string text, const MoveTrack& track) {
-  for (std::size_t i = track.curve_wishes.size(); i-- > 0;) {
-    const CurveWish& wish = track.curve_wishes[i];
-    const std::size_t begin = offset_of(text, wish.place);
+/// The file with every request of the track about its curve as drawn: the new one has what they asked for.
+std::string without_requests(std::string text, const MoveTrack& track) {
+  for (std::size_t i = track.curve_requests.size(); i-- > 0;) {
+    const CurveRequest& request = track.curve_requests[i];
+    const std::size_t begin = offset_of(text, request.place);
     const bool is_quoted = text[begin] == '"' || text[begin] == '\'';
     const std::size_t end = is_quoted ? text.find(text[begin], begin + 1) + 1 : end_of_word(text, begin);
-    text.replace(begin, end - begin, wish.as_drawn);
+    text.replace(begin, end - begin, request.as_drawn);
   }
   return text;
 }
@@ -180,7 +180,7 @@ std::string with_speed(std::string_view text, const std::string& file_name, std:
                                  track));
   }
   refuse_too_many_values(before, track, speed.size());
-  const std::string plain = without_wishes(std::string(text), changed);
+  const std::string plain = without_requests(std::string(text), changed);
   const Place list = parse_move(plain, file_name).tracks.at(track).speed_place;
   std::string result = rewritten(plain, written_list(plain, offset_of(plain, list)), speed);
   if (result.size() > max_file_bytes) {

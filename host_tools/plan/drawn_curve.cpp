@@ -100,7 +100,7 @@ std::vector<double> through_values(const MoveTrack& track, const std::vector<dou
 }
 
 /// How many frames an end takes between rest and the curve; 0 where it is as drawn.
-double ramp_frames(const std::optional<EaseWish>& ease, bool rests, double frames_per_drawn_span) {
+double ramp_frames(const std::optional<EaseRequest>& ease, bool rests, double frames_per_drawn_span) {
   if (ease && ease->frames > 0) return ease->frames;
   return rests ? frames_per_drawn_span : 0;
 }
@@ -125,9 +125,9 @@ std::vector<double> drawn_curve(const MoveTrack& track, std::int32_t frames) {
   while (spans_of(shortest) < min_ramp_spans && may_be_finer(values)) values = on_twice_as_many(values);
   if (spans_of(shortest) < min_ramp_spans) {
     const bool is_in = shortest == in;
-    const std::optional<EaseWish>& wish = is_in ? track.ease_in : track.ease_out;
+    const std::optional<EaseRequest>& request = is_in ? track.ease_in : track.ease_out;
     throw InputError(
-        wish ? wish->place : track.speed_place,
+        request ? request->place : track.speed_place,
         fmt::format("an {} of {:g} frames is too short for the speed curve of {} frames; give it more "
                     "frames, or draw fewer control values",
                     is_in ? "ease_in" : "ease_out", shortest, frames));

@@ -13,10 +13,10 @@ namespace inbetween {
 /// with `through` those of the curve that passes through them, with the ends of the track; then brought from
 /// rest within ease_in frames and to rest within ease_out, or within one drawn span at an end that rests
 /// without saying how long. Between the two the curve is as drawn, exactly. It is given twice as many values,
-/// which does not change it, as often as the wishes need, up to max_lock_values.
+/// which does not change it, as often as the requests need, up to max_lock_values.
 ///
-/// Throws InputError at the wish where the curve through the values goes below 0, or where an end takes fewer
-/// frames than a curve of so many values can show.
+/// Throws InputError at the request where the curve through the values goes below 0, or where an end takes
+/// fewer frames than a curve of so many values can show.
 std::vector<double> drawn_curve(const MoveTrack& track, std::int32_t frames);
 
 /// A periodic track has no ends: its last control value is its first.

@@ -89,7 +89,7 @@ std::uint64_t hash_of(const MoveFile& move) {
       hash.add(static_cast<std::int32_t>(key.breaks));
       hash.add(static_cast<std::int32_t>(key.ease));
     }
-    for (const std::optional<EaseWish>& ease : {track.ease_in, track.ease_out}) {
+    for (const std::optional<EaseRequest>& ease : {track.ease_in, track.ease_out}) {
       hash.add(ease ? ease->frames : 0);
     }
     hash.add(static_cast<std::int32_t>(track.through));

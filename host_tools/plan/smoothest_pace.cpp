@@ -49,9 +49,9 @@ std::int32_t span_count(const PaceSpec& spec) {
   for (std::size_t i = 1; i < spec.key_frames.size(); ++i) {
     shortest = std::min(shortest, spec.key_frames[i] - spec.key_frames[i - 1]);
   }
-  const std::int64_t wished = std::max<std::int64_t>(
+  const std::int64_t wanted = std::max<std::int64_t>(
       (static_cast<std::int64_t>(spans_in_shortest) * frames + shortest - 1) / shortest, min_pace_spans);
-  const std::int64_t times = std::min((wished + unit - 1) / unit, max_pace_spans / unit);
+  const std::int64_t times = std::min((wanted + unit - 1) / unit, max_pace_spans / unit);
   return static_cast<std::int32_t>(unit * std::max<std::int64_t>(times, 1));
 }
 

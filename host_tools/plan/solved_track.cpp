@@ -113,46 +113,47 @@ void SolvedTrack::apply_pace(const TrackSpec& spec) {
 
 namespace {
 
-/// Whether the next wish is to rest, or to touch 0, in the place of the first waypoint.
-bool rests_behind(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes) {
-  if (wishes.empty() || !(wishes.front().ease || wishes.front().hold > 0)) return false;
+/// Whether the next request is to rest, or to touch 0, in the place of the first waypoint.
+bool rests_behind(std::span<const Waypoint> waypoints, std::span<const KeyLock> requests) {
+  if (requests.empty() || !(requests.front().ease || requests.front().hold > 0)) return false;
   const auto is_elsewhere = [&](const Waypoint& place) { return place.distance != waypoints[0].distance; };
   const auto here = std::ranges::find_if(waypoints, is_elsewhere);
-  return std::any_of(waypoints.begin(), here,
-                     [&](const Waypoint& place) { return place.is_key && place.key == wishes.front().key; });
+  return std::any_of(waypoints.begin(), here, [&](const Waypoint& place) {
+    return place.is_key && place.key == requests.front().key;
+  });
 }
 
-/// The wishes about keys, in the numbers of the waypoints, and a touch at every corner that has no wish. The
-/// seam of a periodic curve is its first waypoint.
-std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<const KeyLock> wishes,
+/// The requests about keys, in the numbers of the waypoints, and a touch at every corner that has no request.
+/// The seam of a periodic curve is its first waypoint.
+std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<const KeyLock> requests,
                               bool ease_corners, CurveEnds ends) {
   std::vector<KeyLock> locks;
-  auto next = wishes.begin();
+  auto next = requests.begin();
   for (std::size_t i = 0; i < waypoints.size(); ++i) {
     const Waypoint& place = waypoints[i];
     const bool may_ease = (i > 0 || ends == CurveEnds::periodic) && i + 1 < waypoints.size();
     const bool eases = ease_corners && place.is_corner && may_ease;
-    bool has_wish = false;
-    // The wishes are in the order of the keys.
-    if (place.is_key) next = std::ranges::lower_bound(next, wishes.end(), place.key, {}, &KeyLock::key);
-    for (; place.is_key && next != wishes.end() && next->key == place.key; ++next) {
-      const KeyLock& wish = *next;
-      locks.push_back(wish);
+    bool has_request = false;
+    // The requests are in the order of the keys.
+    if (place.is_key) next = std::ranges::lower_bound(next, requests.end(), place.key, {}, &KeyLock::key);
+    for (; place.is_key && next != requests.end() && next->key == place.key; ++next) {
+      const KeyLock& request = *next;
+      locks.push_back(request);
       locks.back().key = static_cast<std::int32_t>(i);
-      if (eases && wish.hold == 0 && !wish.breaks) locks.back().ease = true;
-      has_wish = true;
+      if (eases && request.hold == 0 && !request.breaks) locks.back().ease = true;
+      has_request = true;
     }
     // A key written twice is one place, at which the speed touches 0 once.
     const bool is_eased_already =
         !locks.empty() && (locks.back().ease || locks.back().hold > 0) &&
         waypoints[static_cast<std::size_t>(locks.back().key)].distance == place.distance;
-    if (eases && !has_wish && !is_eased_already &&
-        !rests_behind(waypoints.subspan(i), {next, wishes.end()})) {
+    if (eases && !has_request && !is_eased_already &&
+        !rests_behind(waypoints.subspan(i), {next, requests.end()})) {
       locks.push_back({.key = static_cast<std::int32_t>(i), .ease = true});
     }
   }
-  for (const KeyLock& wish : wishes) {  // of no key: refused by its number
-    if (wish.key < 0 || wish.key > waypoints.back().key) locks.push_back(wish);
+  for (const KeyLock& request : requests) {  // of no key: refused by its number
+    if (request.key < 0 || request.key > waypoints.back().key) locks.push_back(request);
   }
   return locks;
 }
@@ -160,11 +161,11 @@ std::vector<KeyLock> locks_on(std::span<const Waypoint> waypoints, std::span<con
 }  // namespace
 
 void SolvedTrack::apply_locks(const TrackSpec& spec) {
-  const std::vector<KeyLock> wishes = locks_on(waypoints_, spec.locks, spec.ease_corners, spec.ends);
-  if (wishes.empty()) return;
+  const std::vector<KeyLock> requests = locks_on(waypoints_, spec.locks, spec.ease_corners, spec.ends);
+  if (requests.empty()) return;
   std::vector<double> distances;
   for (const Waypoint& place : waypoints_) distances.push_back(static_cast<double>(place.distance));
-  const std::size_t count = wishes.size();
+  const std::size_t count = requests.size();
   std::vector<double> adjusted(max_lock_values);
   std::vector<double> drawn(max_lock_values);
   std::vector<double> mobility(max_lock_values);
@@ -178,7 +179,7 @@ void SolvedTrack::apply_locks(const TrackSpec& spec) {
   const Result<KeyTiming> adjusting = adjust_to_locks(
       {.control_values = control_values_,
        .key_distances = distances,
-       .locks = wishes,
+       .locks = requests,
        .frames = spec.frames,
        .ends = spec.ends},
       {adjusted, drawn, mobility, ceiling, completed_locks_, targets, multipliers, rows, weights, matrix});

@@ -13,7 +13,7 @@ bool is_periodic(const MoveFile& move);
 
 /// `turns` turns of a periodic move, planned as one turn: the keys and the control values that are played
 /// come again and again, each turn further by the lap, and frame N of one is frame 0 of the next. The curve
-/// is as its locked keys, holds and touches made it, so it has no wishes left. Cues pulse on the frames of
+/// is as its locked keys, holds and touches made it, so it has no requests left. Cues pulse on the frames of
 /// every turn but its last, which is the first of the next. Every turn is the same motion, because a periodic
 /// spline through repeated keys repeats.
 ///

@@ -58,7 +58,7 @@ std::optional<UnmetLock> proven_unmet(const UnmetLocks& unmet) {
   const auto key_of = [&](const KeyLock& lock) {
     return unmet.waypoints[static_cast<std::size_t>(lock.key)].key;
   };
-  // That the last key is met on the last frame is nobody's wish.
+  // That the last key is met on the last frame is nobody's request.
   const bool ends_at_end = static_cast<std::size_t>(way.end.key) + 1 == unmet.waypoints.size();
   const KeyLock& blamed = ends_at_end ? way.begin : way.end;
   return UnmetLock(

@@ -24,7 +24,7 @@ run_stand_in() { # run_stand_in, with what the kernel says at standard input
   kernel=$("${run_script%/*}/kernel" --path)
   mkdir --parents "${kernel%/*}"
   cat >"$scratch/said"
-  # Like the kernel it ignores the wish to end.
+  # Like the kernel it ignores the request to end.
   printf '#!/usr/bin/env bash\ntrap "" ABRT HUP INT TERM\ncat "%s"\nexec sleep infinity\n' "$scratch/said" >"$kernel"
   chmod +x "$kernel"
   run --memory 223 --kernel-log "$scratch/log" -- true

@@ -12,7 +12,7 @@
 
 namespace inbetween {
 
-struct EdsWishes {
+struct EdsRequest {
   std::vector<std::string> without = {};     ///< sections that are left out
   std::string modes = "0x000000A1";          ///< 6502
   std::string period_access = "rw";          ///< 60C2:1
@@ -20,19 +20,19 @@ struct EdsWishes {
   std::vector<std::string> not_mapped = {};  ///< sections of objects that cannot be mapped, though others can
 };
 
-inline std::string eds_text(const EdsWishes& wishes) {
+inline std::string eds_text(const EdsRequest& request) {
   std::string text =
       "[FileInfo]\nFileName=none.eds\nFileVersion=1\n\n; lists are not kept up\n[MandatoryObjects]\n"
       "SupportedObjects=9\n1=0x1000\n2=0x1001\n\n";
   const auto add = [&](std::string_view section, std::string_view lines) {
-    if (std::ranges::find(wishes.without, section) != wishes.without.end()) return;
+    if (std::ranges::find(request.without, section) != request.without.end()) return;
     text += fmt::format("[{}]\n{}\n", section, lines);
   };
   const auto variable = [&](std::string_view section, int type, std::string_view access,
                             std::string_view value) {
     constexpr std::array<std::string_view, 5> mapped{"6040", "6041", "6061", "6064", "607A"};
     const bool can_be_mapped = std::ranges::find(mapped, section) != mapped.end() &&
-                               std::ranges::find(wishes.not_mapped, section) == wishes.not_mapped.end();
+                               std::ranges::find(request.not_mapped, section) == request.not_mapped.end();
     add(section,
         fmt::format("ParameterName=p\nObjectType=0x7\nDataType=0x{:04X}\nAccessType={}\nDefaultValue={}\n"
                     "PDOMapping={}\n",
@@ -82,13 +82,13 @@ inline std::string eds_text(const EdsWishes& wishes) {
   variable("6060", 2, "rw", "1");
   variable("6061", 2, "ro", "1");
   variable("6064", 4, "ro", "");
-  variable("6065", 7, "rw", wishes.window);
+  variable("6065", 7, "rw", request.window);
   variable("6066", 6, "rw", "10");
   variable("607A", 4, "rww", "0");
   record("60C2");
-  variable("60C2sub1", 5, wishes.period_access, "1");
+  variable("60C2sub1", 5, request.period_access, "1");
   variable("60C2sub2", 2, "rw", "0xFFFFFFFD");
-  variable("6502", 7, "ro", wishes.modes);
+  variable("6502", 7, "ro", request.modes);
   return text;
 }
 

@@ -115,16 +115,16 @@ Marks positive_values(const Matrix& matrix, const Vector& right, const Marks& is
     if (best == count) return is_free;
     is_free[best] = 1;
     for (;;) {
-      const Vector wished = least_squares(matrix, right, columns_of(is_free));
+      const Vector solution = least_squares(matrix, right, columns_of(is_free));
       long double step = 1;
       for (const std::size_t i : columns_of(is_free)) {
-        if (wished[i] <= 0 && x[i] - wished[i] > 0) step = std::min(step, x[i] / (x[i] - wished[i]));
+        if (solution[i] <= 0 && x[i] - solution[i] > 0) step = std::min(step, x[i] / (x[i] - solution[i]));
       }
       bool is_inside = true;
       for (std::size_t i = 0; i < count; ++i) {
         if (is_free[i] == 0) continue;
-        if (wished[i] <= 0) is_inside = false;
-        x[i] += step * (wished[i] - x[i]);
+        if (solution[i] <= 0) is_inside = false;
+        x[i] += step * (solution[i] - x[i]);
       }
       if (is_inside) break;
       for (std::size_t i = 0; i < count; ++i) {

@@ -20,8 +20,8 @@ std::optional<MoveFile> for_a_rig(const RandomMove& random) {
   return parse_move(as_toml(random), "move.toml");
 }
 
-std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish) {
-  RigFile rig{.path = "rig.toml", .name = "rig", .rate_hz = wish.rate_hz, .buses = {}, .axes = {}};
+std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& request) {
+  RigFile rig{.path = "rig.toml", .name = "rig", .rate_hz = request.rate_hz, .buses = {}, .axes = {}};
   std::vector<std::string> names;
   for (const MoveTrack& track : move.tracks) names.insert(names.end(), track.axes.begin(), track.axes.end());
   for (const std::string& name : names) {
@@ -45,12 +45,12 @@ std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish) {
     }
     axis.min = lowest.value - size;
     axis.max = highest.value + size;
-    axis.max_velocity = wish.share() * found.velocity.value;
-    axis.max_acceleration = wish.share() * std::max(found.acceleration.value, 1e-3 * axis.max_velocity);
-    if (!wish.limits_jerk) continue;
-    axis.max_jerk = wish.share() * std::max(found.jerk.value, 1e-3 * axis.max_acceleration);
+    axis.max_velocity = request.share() * found.velocity.value;
+    axis.max_acceleration = request.share() * std::max(found.acceleration.value, 1e-3 * axis.max_velocity);
+    if (!request.limits_jerk) continue;
+    axis.max_jerk = request.share() * std::max(found.jerk.value, 1e-3 * axis.max_acceleration);
   }
-  if (!wish.allows_steps) return rig;
+  if (!request.allows_steps) return rig;
   // What is a step and what is rounding depends on the limits.
   for (const CheckedStep& step : check(Plan(move, rig, {})).steps) {
     if (!(step.acceleration > 0 && std::isfinite(step.acceleration))) continue;

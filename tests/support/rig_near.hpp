@@ -23,6 +23,6 @@ struct RigNear {
 
 /// The axes of all tracks, with room of the size of the move on either side. Nothing where an axis
 /// stands still, hardly moves for its digits, or has a peak without bound.
-std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& wish);
+std::optional<RigFile> rig_near(const MoveFile& move, const RigNear& request);
 
 }  // namespace inbetween

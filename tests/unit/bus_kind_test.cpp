@@ -83,7 +83,7 @@ TYPED_TEST(EveryProtocol, AnAxisOutsideItsLimitsStandsStillWhenItIsSwitchedOnAnd
   }
 }
 
-TYPED_TEST(EveryProtocol, HasPowerNeitherBeforeItIsWishedNorWithoutAHost) {
+TYPED_TEST(EveryProtocol, HasPowerNeitherBeforeItIsRequestedNorWithoutAHost) {
   BusAxis<TypeParam> axis;
   axis.ticks(1000);
   EXPECT_FALSE(axis.has_power());

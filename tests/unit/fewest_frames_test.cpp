@@ -72,8 +72,8 @@ TEST(FewestFrames, APathWithoutLengthTakesOneFrame) {
 
 // --- from one locked key to the next
 
-std::string three_keys(const std::string& wish_of_second) {
-  return "keys = [ { at = [0, 5] }, { at = [100, 5]" + wish_of_second + " }, { at = [200, 5] } ]\n";
+std::string three_keys(const std::string& request_of_second) {
+  return "keys = [ { at = [0, 5] }, { at = [100, 5]" + request_of_second + " }, { at = [200, 5] } ]\n";
 }
 std::optional<ShortStretch> shortest_of(const std::string& track) {
   return shortest_stretch(plan_of(track, 20, 10, 200), 0);

@@ -262,8 +262,8 @@ TEST(FrameShoot, AnExposureThatNoRateAllowsIsNamedWithItsFrame) {
   EXPECT_EQ(set.shoot.phase(), ShootPhase::idle);
 }
 
-/// Every phase times every wish: what is answered, and where it leads.
-TEST(FrameShoot, InEveryPhaseEveryWishIsAnsweredOrRefused) {
+/// Every phase times every request: what is answered, and where it leads.
+TEST(FrameShoot, InEveryPhaseEveryRequestIsAnsweredOrRefused) {
   const std::array<ShootPhase, shoot_phases> phases{
       ShootPhase::idle,     ShootPhase::travelling, ShootPhase::settling, ShootPhase::standing,
       ShootPhase::exposing, ShootPhase::waiting,    ShootPhase::done};

@@ -22,35 +22,35 @@ namespace key_timing_test {
 
 using Storage = KeyTimingStorage<4, 1025>;
 
-/// The wishes of a move along a line with keys at 0, 10, 30, 60, 100.
-struct Wishes {
+/// The requests of a move along a line with keys at 0, 10, 30, 60, 100.
+struct Requests {
   std::vector<double> speed = {0, 0, 10, 10, 10, 10, 10, 0, 0};
   std::vector<KeyLock> locks;
   std::int32_t frames = 240;
   std::vector<double> distances = {0, 10, 30, 60, 100};
 };
 
-Result<KeyTiming> adjust(const Wishes& wishes, Storage& storage) {
-  return adjust_to_locks({.control_values = wishes.speed,
-                          .key_distances = wishes.distances,
-                          .locks = wishes.locks,
-                          .frames = wishes.frames},
+Result<KeyTiming> adjust(const Requests& requests, Storage& storage) {
+  return adjust_to_locks({.control_values = requests.speed,
+                          .key_distances = requests.distances,
+                          .locks = requests.locks,
+                          .frames = requests.frames},
                          storage.memory());
 }
 
-std::vector<double> adjusted(const Wishes& wishes) {
+std::vector<double> adjusted(const Requests& requests) {
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming> result = adjust(wishes, *storage);
+  const Result<KeyTiming> result = adjust(requests, *storage);
   if (!result) {
     ADD_FAILURE() << result.error().what;
-    return wishes.speed;
+    return requests.speed;
   }
   return {result->control_values.begin(), result->control_values.end()};
 }
 
-void expect_refused(const Wishes& wishes, ErrorCode code, std::int32_t key, std::int32_t frame) {
+void expect_refused(const Requests& requests, ErrorCode code, std::int32_t key, std::int32_t frame) {
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming> result = adjust(wishes, *storage);
+  const Result<KeyTiming> result = adjust(requests, *storage);
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, code) << result.error().what;
   EXPECT_EQ(result.error().key, key) << result.error().what;
@@ -66,14 +66,14 @@ double share(const std::vector<double>& values, std::int32_t frame, std::int32_t
   return static_cast<double>(profile.integral(a) / profile.integral(f));
 }
 
-SolvedTrack solved(const Wishes& wishes) {
+SolvedTrack solved(const Requests& requests) {
   const std::vector<double> keys = {0, 10, 30, 60, 100};
   return {{.path = {.spline = Spline::linear, .axis_count = 1, .keys = keys},
-           .control_values = wishes.speed,
-           .frames = wishes.frames,
+           .control_values = requests.speed,
+           .frames = requests.frames,
            .fps = {24, 1},
            .arc_length = {},
-           .locks = wishes.locks},
+           .locks = requests.locks},
           Solver::closed_form};
 }
 
@@ -189,14 +189,14 @@ TEST(PeriodicKeyTiming, TouchesZeroAndRestsAtItsSeam) {
 
 TEST(KeyTiming, ACurveThatMeetsTheKeyAlreadyIsLeftAlone) {
   // A straight line at constant speed: key 3, at 60 of 100, is met on frame 144 of 240.
-  const Wishes wishes{.speed = {10, 10, 10, 10, 10}, .locks = {{.key = 3, .frame = 144}}};
-  for (const double value : adjusted(wishes)) EXPECT_NEAR(value, 10, 1e-13);
+  const Requests requests{.speed = {10, 10, 10, 10, 10}, .locks = {{.key = 3, .frame = 144}}};
+  for (const double value : adjusted(requests)) EXPECT_NEAR(value, 10, 1e-13);
 }
 
 TEST(KeyTiming, EarlyAndLateKeysAreMet) {
   for (const std::int32_t frame : {60, 90, 110, 150}) {
-    const Wishes wishes{.locks = {{.key = 2, .frame = frame}}};
-    EXPECT_NEAR(share(adjusted(wishes), frame, 240), 0.3, 1e-12) << frame;
+    const Requests requests{.locks = {{.key = 2, .frame = frame}}};
+    EXPECT_NEAR(share(adjusted(requests), frame, 240), 0.3, 1e-12) << frame;
   }
 }
 
@@ -224,13 +224,13 @@ TEST(KeyTiming, ASoleZeroIsNoRestAndMayBeRaised) {
 
 TEST(KeyTiming, ARefinedCurveIsTheDrawnOneOnTwiceAsManySpans) {
   // A hold of 8 frames in 240 wants spans of 2 frames: the drawn 8 are doubled until there are 120 or more.
-  const Wishes wishes{.locks = {{.key = 2, .frame = 100, .hold = 8}}};
+  const Requests requests{.locks = {{.key = 2, .frame = 100, .hold = 8}}};
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming> timing = adjust(wishes, *storage);
+  const Result<KeyTiming> timing = adjust(requests, *storage);
   ASSERT_TRUE(timing.has_value());
   EXPECT_EQ(timing->refinements, 4);
   ASSERT_EQ(timing->control_values.size(), 8U * 16 + 1);
-  const oracle::Profile drawn(wishes.speed);
+  const oracle::Profile drawn(requests.speed);
   const oracle::Profile fine(std::vector<double>(storage->drawn.begin(), storage->drawn.begin() + 129));
   for (int i = 0; i <= 160; ++i) {
     const long double a = static_cast<long double>(i) / 20;
@@ -239,8 +239,8 @@ TEST(KeyTiming, ARefinedCurveIsTheDrawnOneOnTwiceAsManySpans) {
 }
 
 TEST(KeyTiming, APathWithoutLengthLeavesTheCurveAsDrawn) {
-  const Wishes wishes{.locks = {{.key = 2, .frame = 100}}, .distances = {0, 0, 0, 0, 0}};
-  EXPECT_EQ(adjusted(wishes), wishes.speed);
+  const Requests requests{.locks = {{.key = 2, .frame = 100}}, .distances = {0, 0, 0, 0, 0}};
+  EXPECT_EQ(adjusted(requests), requests.speed);
 }
 
 /// Keys evenly along the way, each on a frame that is a little off the even one.
@@ -329,7 +329,7 @@ TEST(KeyTiming, OfThreeHundredLocksThatAreHardToMeetThereIsACurveOfEnoughValues)
 
 // --- refusals
 
-TEST(KeyTiming, WishesThatContradictEachOtherNameKeyAndFrame) {
+TEST(KeyTiming, RequestsThatContradictEachOtherNameKeyAndFrame) {
   const auto bad = ErrorCode::out_of_range;
   expect_refused({.locks = {{.key = 1, .frame = 80}, {.key = 2, .frame = 80}}}, bad, 2, 80);
   expect_refused({.locks = {{.key = 1, .frame = 80}, {.key = 2, .frame = 60}}}, bad, 2, 60);
@@ -356,11 +356,11 @@ TEST(KeyTiming, AHoldTooShortForTheMemoryNamesItsKey) {
 
 TEST(KeyTiming, TooLittleMemorySaysHowMuchIsNeeded) {
   const auto storage = std::make_unique<KeyTimingStorage<1, 9>>();
-  const Wishes wishes{.locks = {{.key = 1, .frame = 60}, {.key = 2, .frame = 90}}};
-  const Result<KeyTiming> result = adjust_to_locks({.control_values = wishes.speed,
-                                                    .key_distances = wishes.distances,
-                                                    .locks = wishes.locks,
-                                                    .frames = wishes.frames},
+  const Requests requests{.locks = {{.key = 1, .frame = 60}, {.key = 2, .frame = 90}}};
+  const Result<KeyTiming> result = adjust_to_locks({.control_values = requests.speed,
+                                                    .key_distances = requests.distances,
+                                                    .locks = requests.locks,
+                                                    .frames = requests.frames},
                                                    storage->memory());
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code, ErrorCode::capacity);
@@ -415,37 +415,37 @@ TEST(Hold, TheAccelerationNeverSteps) {
 }
 
 TEST(Hold, WithoutAFrameTheKeyIsMetWhereTheDrawnCurveReachesItInTheFramesThatAreNoHolds) {
-  const Wishes wishes{.locks = {{.key = 1, .hold = 20}, {.key = 3, .hold = 30}}};
+  const Requests requests{.locks = {{.key = 1, .hold = 20}, {.key = 3, .hold = 30}}};
   const auto storage = std::make_unique<Storage>();
-  const Result<KeyTiming> timing = adjust(wishes, *storage);
+  const Result<KeyTiming> timing = adjust(requests, *storage);
   ASSERT_TRUE(timing.has_value());
   ASSERT_EQ(timing->locks.size(), 4U);
   for (const auto& [index, held, part] : {std::tuple{1U, 0, 0.1}, {2U, 20, 0.6}}) {
     const std::int32_t moving = timing->locks[index].frame - held;
-    EXPECT_GE(share(wishes.speed, moving, 190), part);
-    EXPECT_LT(share(wishes.speed, moving - 1, 190), part);
+    EXPECT_GE(share(requests.speed, moving, 190), part);
+    EXPECT_LT(share(requests.speed, moving - 1, 190), part);
   }
 }
 
 TEST(Hold, ManyWithoutAFrameAreEachMetWhereTheDrawnCurveReachesThem) {
-  Wishes wishes{
+  Requests requests{
       .speed = {0, 0, 10, 30, 10, 0, 0, 0, 20, 10, 0, 0}, .locks = {}, .frames = 2400, .distances = {0}};
   constexpr std::int32_t held = 20;
   for (std::int32_t key = 1; key <= 21; ++key) {
-    wishes.distances.push_back(key);
-    if (key < 21) wishes.locks.push_back({.key = key, .hold = held});
+    requests.distances.push_back(key);
+    if (key < 21) requests.locks.push_back({.key = key, .hold = held});
   }
   const auto storage = std::make_unique<KeyTimingStorage<20, 4097>>();
-  const auto timing = adjust_to_locks({.control_values = wishes.speed,
-                                       .key_distances = wishes.distances,
-                                       .locks = wishes.locks,
-                                       .frames = wishes.frames},
+  const auto timing = adjust_to_locks({.control_values = requests.speed,
+                                       .key_distances = requests.distances,
+                                       .locks = requests.locks,
+                                       .frames = requests.frames},
                                       storage->memory());
   ASSERT_TRUE(timing.has_value()) << timing.error().what;
   for (std::int32_t i = 1; i <= 20; ++i) {
     const std::int32_t moving = timing->locks[static_cast<std::size_t>(i)].frame - (i - 1) * held;
-    EXPECT_GE(share(wishes.speed, moving, 2000), i / 21.0 - 1e-12) << i;
-    EXPECT_LT(share(wishes.speed, moving - 1, 2000), i / 21.0) << i;
+    EXPECT_GE(share(requests.speed, moving, 2000), i / 21.0 - 1e-12) << i;
+    EXPECT_LT(share(requests.speed, moving - 1, 2000), i / 21.0) << i;
   }
 }
 

@@ -123,7 +123,7 @@ TEST(RealTimeThread, WithoutIdleStatesThereIsNothingToHoldAndTheLoopIsFitAllTheS
   EXPECT_THAT(refusals(thread), HasSubstr("(not needed): /dev/cpu_dma_latency cannot be held at 0"));
 }
 
-TEST(RealTimeThread, WishesThatCannotBeAreRefused) {
+TEST(RealTimeThread, RequestsThatCannotBeAreRefused) {
   give_real_time_threads("-1");
   {
     const RealTimeThread thread({.priority = 100});
