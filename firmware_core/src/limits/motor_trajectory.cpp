@@ -69,7 +69,7 @@ class JointWriter {
     ++count_;
   }
 
-  /// The places inside a piece at which the axis passes a mark: it is halved until it goes one way.
+  /// The places inside a piece at which the axis passes a mark: it is halved until it goes in one direction.
   void find_passings(std::uint32_t index) {
     const TrajectoryPiece& piece = axes_.pieces()[index];
     std::array<Bernstein, max_halvings + 1> stack;

@@ -63,7 +63,7 @@ void write_joint(const Trajectory& trajectory, const FrameTime& at, bool arrivin
   }
 }
 
-/// The roll that begins or ends with the motion at `joints`, written to `out`, or what is in the way.
+/// The roll that begins or ends with the motion at `joints`, written to `out`, or the obstacle.
 Result<std::optional<RollBreach>> make_roll(const RollRequest& request, std::span<RollAxis> out) {
   const auto frames = roll_frames(request);
   if (!frames && frames.error().code == ErrorCode::no_solution) return roll_obstacle(request);

@@ -137,7 +137,7 @@ Result<FoundBreach> weightiest_breach(const RollRequest& request, std::int32_t f
   return weightiest;
 }
 
-/// The answer, or what is in the way.
+/// The answer, or the obstacle.
 struct Search {
   std::int32_t frames = 0;
   FoundBreach obstacle;

@@ -41,7 +41,7 @@ inline constexpr std::size_t homing_signals = 9;
 /// The action on a transition.
 enum class HomingAction : std::uint8_t {
   none,
-  leave,      ///< away from the switch, by the way to leave it at most
+  leave,      ///< away from the switch, by the distance to leave it at most
   clear,      ///< to the distance to back off before the edge that has just been
   search,     ///< towards the switch, fast, by the distance to search at most
   stop,       ///< slow down

@@ -23,7 +23,7 @@ inline constexpr double frame_rounding = 1e-9;
 bool joints_of_part(std::span<const Track> tracks, std::span<const Trajectory> trajectories,
                     const WholeFrames& part, RollEnd end, std::span<AxisMotion> out);
 
-/// A move that is moving at one end and has no roll there, and the limit in the way.
+/// A move that is moving at one end and has no roll there, and the limit that is the obstacle.
 struct RollObstacle {
   RollEnd end = RollEnd::before;
   RollBreach breach;          ///< its axis counts through the tracks

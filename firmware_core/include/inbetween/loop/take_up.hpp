@@ -36,7 +36,7 @@ constexpr std::array<double, 3> take_up_peaks(double distance, double seconds) {
 /// What is added to a motor to cross the play of its gear.
 ///
 /// Method. Each take-up is the same polynomial of degree 5 in time, from rest to rest with acceleration 0 at
-/// both ends, and is not interrupted: if the axis turns again meanwhile, the way back begins when it is over.
+/// both ends, and is not interrupted: if the axis turns again meanwhile, the return begins when it is over.
 /// So whatever the axis does, the motor never does more than the axis and take_up_peaks beside each other,
 /// which is what a certificate needs. (A filter that follows the direction with limits of its own, as
 /// LinuxCNC has it, promises its velocity and acceleration, and no jerk.) While the axis rests, only what a
