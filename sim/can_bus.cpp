@@ -26,7 +26,7 @@ bool SimulatedBus<Frame>::deliver_next(std::int64_t now_ns) {
   auto next = wire_.end();
   for (auto it = wire_.begin(); it != wire_.end(); ++it) {
     if (it->due_ns > now_ns) continue;
-    if (next == wire_.end() || it->frame.id < next->frame.id) next = it;
+    if (next == wire_.end() || it->frame.id.number() < next->frame.id.number()) next = it;
   }
   if (next == wire_.end()) return false;
   const Waiting delivered = *next;

@@ -22,6 +22,11 @@ constexpr std::uint64_t low_bits(unsigned bits) {
   return bits < 32 ? (std::uint64_t{1} << bits) - 1 : 0xFFFFFFFF;
 }
 
+/// That of a COB-ID, or of what else may be larger.
+can::FrameId standard_id(std::uint32_t cob_id) {
+  return can::FrameId::standard(cob_id & can::cob_id_number);
+}
+
 unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
   unsigned bits = 0;
   for (const can::PdoEntry& object : objects) bits += object.bits;
@@ -138,11 +143,11 @@ void SimulatedCia402Drive::lose_communication(std::uint16_t code) {
 }
 
 void SimulatedCia402Drive::receive(const can::Frame& frame) {
-  const bool is_guard = frame.is_remote && !frame.is_extended && frame.id == can::heartbeat_id(node());
+  const bool is_guard = frame.is_remote && frame.id == can::heartbeat_id(node());
   if (is_booting_ || !(is_guard || can::is_canopen(frame))) return;
   if (troubles_.has_any() && is_meant_for_it(frame) && takes_frame(Kind::lose_heard)) return;
   if (is_guard) return hear_guard();
-  if (!settings_now().heard[frame.id]) return;
+  if (!settings_now().heard[frame.id.number()]) return;
   if (frame.id == can::nmt_id) {
     if (const auto order = can::read_nmt(frame)) obey(*order);
     return;
@@ -168,7 +173,7 @@ void SimulatedCia402Drive::hear_guard() {
 void SimulatedCia402Drive::hear_host(const can::Frame& frame) {
   const std::uint32_t host = settings_now().host;
   const std::int64_t timeout_ns = settings_now().host_timeout_ns;
-  if (host == 0 || timeout_ns == 0 || frame.id != 0x700 + host || frame.length != 1) return;
+  if (host == 0 || timeout_ns == 0 || frame.id.number() != 0x700 + host || frame.length != 1) return;
   if (frame.data[0] != 0) {
     has_come(host_heartbeat);
     host_deadline_ns_ = now_ns_ + timeout_ns;
@@ -253,7 +258,7 @@ void SimulatedCia402Drive::note_written(can::ObjectAddress object) {
 SimulatedCia402Drive::PdoSetting SimulatedCia402Drive::setting_of(const Pdo& pdo) const {
   PdoSetting setting{
       .is_valid = is_valid(pdo),
-      .id = objects_.value(pdo.communication, can::pdo_sub_cob_id) & can::cob_id_number,
+      .id = standard_id(objects_.value(pdo.communication, can::pdo_sub_cob_id)),
       .type = objects_.value(pdo.communication, can::pdo_sub_type),
       .timer_ms = objects_.value(pdo.communication, can::pdo_sub_event_timer),
   };
@@ -274,7 +279,7 @@ const SimulatedCia402Drive::Settings& SimulatedCia402Drive::read_settings() cons
     read_settings_.sent.at(n) = setting_of(pdo(true, n));
   }
   read_settings_.heartbeat_period_ns = objects_.value(0x1017) * ms;
-  read_settings_.sync_id = objects_.value(0x1005) & can::cob_id_number;
+  read_settings_.sync_id = standard_id(objects_.value(0x1005));
   read_settings_.sync_period_ns = std::int64_t{objects_.value(0x1006)} * 1000;
   read_settings_.has_sync_counter = objects_.value(0x1019) != 0;
   const std::uint32_t consumer = objects_.value(0x1016, 1);
@@ -288,11 +293,11 @@ const SimulatedCia402Drive::Settings& SimulatedCia402Drive::read_settings() cons
   read_settings_.following_window = objects_.value(0x6065);
   read_settings_.following_ms = objects_.value(0x6066);
   read_settings_.heard.reset();
-  for (const std::uint32_t id : {can::nmt_id, can::sdo_request_id(node()), read_settings_.sync_id,
-                                 (0x700 + read_settings_.host) & can::cob_id_number}) {
-    read_settings_.heard.set(id);
+  for (const can::FrameId id : {can::nmt_id, can::sdo_request_id(node()), read_settings_.sync_id,
+                                standard_id(0x700 + read_settings_.host)}) {
+    read_settings_.heard.set(id.number());
   }
-  for (const PdoSetting& pdo : read_settings_.received) read_settings_.heard.set(pdo.id);
+  for (const PdoSetting& pdo : read_settings_.received) read_settings_.heard.set(pdo.id.number());
   read_settings_.controlword = objects_.place_of(0x6040);
   read_settings_.statusword = objects_.place_of(0x6041);
   read_settings_.mode_display = objects_.place_of(0x6061);

@@ -98,7 +98,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   /// What the objects of a PDO say.
   struct PdoSetting {
     bool is_valid = false;
-    std::uint32_t id = 0;
+    can::FrameId id = {};
     std::uint32_t type = 0;
     std::uint32_t timer_ms = 0;
     unsigned bits = 0;
@@ -114,7 +114,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     std::bitset<can::cob_id_number + 1> heard;  ///< identifiers: data frames with others do not concern it
     std::array<PdoSetting, pdos> received, sent;
     std::int64_t heartbeat_period_ns = 0;  ///< 0: it tells nobody that it lives
-    std::uint32_t sync_id = 0;
+    can::FrameId sync_id = {};
     std::int64_t sync_period_ns = 0;
     bool has_sync_counter = false;
     std::uint32_t host = 0;  ///< whose heartbeat it watches; 0: nobody's

@@ -35,7 +35,7 @@ void add_communication(ObjectDictionary& objects, can::NodeId node) {
   };
   fixed(0x1000, 0, u32, 0x00020192);
   fixed(0x1001, 0, u8, 0);
-  objects.add({.index = 0x1005}, {.size = u32, .value = can::sync_id});
+  objects.add({.index = 0x1005}, {.size = u32, .value = can::sync_id.number()});
   objects.add({.index = 0x1006}, {.size = u32});
   const std::string_view name = "simulated CiA 402 drive";
   objects.add({.index = 0x1008}, {.access = Access::read_only, .bytes = {name.begin(), name.end()}});

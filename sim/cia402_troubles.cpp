@@ -77,11 +77,12 @@ bool SimulatedCia402Drive::is_meant_for_it(const can::Frame& frame) const {
   if (frame.id == can::nmt_id || frame.id == can::sync_id) return true;
   if (frame.is_remote) return true;
   const std::uint32_t host = objects_.value(0x1016, 1) >> 16;
-  const std::uint32_t function = frame.id & function_bits;
-  if (function == (can::heartbeat_id(node()) & function_bits)) return (frame.id & ~function_bits) == host;
-  const bool is_of_host = function == (can::sdo_request_id(node()) & function_bits) ||
-                          function == (can::rpdo1_id(node()) & function_bits);
-  return is_of_host && (frame.id & ~function_bits) == node().value();
+  const std::uint32_t function = frame.id.number() & function_bits;
+  if (function == (can::heartbeat_id(node()).number() & function_bits))
+    return (frame.id.number() & ~function_bits) == host;
+  const bool is_of_host = function == (can::sdo_request_id(node()).number() & function_bits) ||
+                          function == (can::rpdo1_id(node()).number() & function_bits);
+  return is_of_host && (frame.id.number() & ~function_bits) == node().value();
 }
 
 void SimulatedCia402Drive::babble() {

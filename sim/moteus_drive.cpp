@@ -101,7 +101,7 @@ void SimulatedMoteus::step(double seconds) {
 
 void SimulatedMoteus::flood() {
   for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
-    FdFrame frame{.id = std::uint32_t{settings_.node.value()} << 8};
+    FdFrame frame{.id = can::FrameId::shortest(std::uint32_t{settings_.node.value()} << 8)};
     can::MoteusWriter writer(frame);
     writer.reply(MoteusRegister::torque, MoteusType::float32, std::array{0.0});
     if (writer.finish()) send(frame);
@@ -148,7 +148,7 @@ void SimulatedMoteus::meet(const DriveTrouble& trouble) {
       return;
     case Kind::foreign_sender: {
       // Host 1 wants it to stay where it is, and no answer.
-      FdFrame frame{.id = 1U << 8 | settings_.node.value()};
+      FdFrame frame{.id = can::FrameId::standard(1U << 8 | settings_.node.value())};
       can::MoteusWriter writer(frame);
       writer.write(MoteusRegister::mode, MoteusType::int8, std::array{10.0});
       writer.write(MoteusRegister::command_position, MoteusType::float32,
@@ -175,15 +175,16 @@ void SimulatedMoteus::send(FdFrame frame) {
 }
 
 void SimulatedMoteus::receive(const FdFrame& frame) {
-  const std::uint32_t receiver = frame.id & 0x7F;
-  const bool is_meant = frame.id <= 0xFFFF && (receiver == settings_.node.value() || receiver == everybody);
+  const std::uint32_t receiver = frame.id.number() & 0x7F;
+  const bool is_meant =
+      frame.id.number() <= 0xFFFF && (receiver == settings_.node.value() || receiver == everybody);
   if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
   Command command;
   can::MoteusReader reader(frame);
   while (const std::optional<MoteusItem> item = reader.next()) {
     if (item->kind == MoteusItem::Kind::write) write(*item, command);
   }
-  if ((frame.id & 0x8000) != 0) {
+  if ((frame.id.number() & 0x8000) != 0) {
     if (const std::optional<FdFrame> answer = answer_to(frame)) send(*answer);
   }
   if (command.mode) obey(command);
@@ -245,9 +246,9 @@ std::optional<double> SimulatedMoteus::register_value(const MoteusItem& item) co
 /// In the style of the question, registers that follow each other in one sub-frame. Nothing where none was
 /// asked for, or where they have no room.
 std::optional<FdFrame> SimulatedMoteus::answer_to(const FdFrame& question) const {
-  FdFrame answer{.id = std::uint32_t{settings_.node.value()} << 8 | (question.id >> 8 & 0x7F),
+  const std::uint32_t asker = question.id.number() >> 8 & 0x7F;
+  FdFrame answer{.id = can::FrameId::shortest(std::uint32_t{settings_.node.value()} << 8 | asker),
                  .has_fast_data = question.has_fast_data};
-  answer.is_extended = answer.id >= 0x800;
   can::MoteusWriter writer(answer);
   std::vector<double> values;
   MoteusItem first, last;

@@ -165,11 +165,11 @@ void SimulatedOdrive::meet(const DriveTrouble& trouble) {
 }
 
 void SimulatedOdrive::receive(const can::Frame& frame) {
-  const bool is_meant = !frame.is_extended && frame.id >> 5 == settings_.node.value();
+  const bool is_meant = !frame.id.is_extended() && frame.id.number() >> 5 == settings_.node.value();
   if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
   fed_ns_ = now_ns_;
   if (frame.is_remote) return answer(frame);
-  switch (static_cast<OdriveMessage>(frame.id & can::odrive_message_bits)) {
+  switch (static_cast<OdriveMessage>(frame.id.number() & can::odrive_message_bits)) {
     case OdriveMessage::emergency_stop:
       if (!has_trouble(Kind::stay_on)) fail(stopped_error(settings_.family));
       return;
@@ -217,7 +217,7 @@ void SimulatedOdrive::take_position(const can::OdrivePosition& position) {
 
 void SimulatedOdrive::answer(const can::Frame& question) {
   const bool is_06 = settings_.family == OdriveFamily::firmware_06;
-  switch (static_cast<OdriveMessage>(question.id & can::odrive_message_bits)) {
+  switch (static_cast<OdriveMessage>(question.id.number() & can::odrive_message_bits)) {
     case OdriveMessage::version:
       if (is_06) {
         send(can::odrive_version_frame(settings_.node,

@@ -118,8 +118,8 @@ void SimulatedRmd::meet(const DriveTrouble& trouble) {
 }
 
 void SimulatedRmd::receive(const can::Frame& frame) {
-  const bool is_meant = !frame.is_extended && !frame.is_remote && frame.length == 8 &&
-                        frame.id == can::rmd_command_id(settings_.motor_number);
+  const bool is_meant =
+      !frame.is_remote && frame.length == 8 && frame.id == can::rmd_command_id(settings_.motor_number);
   if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
   fed_ns_ = now_ns_;
   obey(frame);

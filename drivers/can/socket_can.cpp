@@ -18,16 +18,15 @@ constexpr std::uint32_t flags_and_id = CAN_EFF_FLAG | CAN_RTR_FLAG;
 /// Before tools and SDO transfers in the queue of the interface; the highest that needs no right.
 constexpr int frame_priority = 6;
 
-template <class AnyFrame>
-bool has_identifier(const AnyFrame& frame) {
-  return frame.id <= (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+std::uint32_t raw_id(FrameId id) {
+  return id.number() | (id.is_extended() ? CAN_EFF_FLAG : 0U);
 }
+
 bool can_be_sent(const Frame& frame) {
-  return has_identifier(frame) && frame.length <= CAN_MAX_DLEN;
+  return frame.length <= CAN_MAX_DLEN;
 }
 bool can_be_sent(const FdFrame& frame) {
-  return has_identifier(frame) && is_fd_length(frame.length) &&
-         (!frame.is_classic || frame.length <= CAN_MAX_DLEN);
+  return is_fd_length(frame.length) && (!frame.is_classic || frame.length <= CAN_MAX_DLEN);
 }
 
 /// How many bytes the kernel takes for it.
@@ -41,7 +40,7 @@ std::size_t raw_size(const FdFrame& frame) {
 template <class Raw, class AnyFrame>
 Raw begin_raw(const AnyFrame& frame) {
   Raw raw{};
-  raw.can_id = frame.id | (frame.is_extended ? CAN_EFF_FLAG : 0U);
+  raw.can_id = raw_id(frame.id);
   raw.len = frame.length;
   std::copy_n(frame.data.begin(), frame.length, std::begin(raw.data));
   return raw;
@@ -60,8 +59,9 @@ canfd_frame to_kernel(const FdFrame& frame) {
 template <class AnyFrame, class Raw>
 AnyFrame begin_frame(const Raw& raw) {
   AnyFrame frame;
-  frame.is_extended = (raw.can_id & CAN_EFF_FLAG) != 0;
-  frame.id = raw.can_id & (frame.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+  const bool is_extended = (raw.can_id & CAN_EFF_FLAG) != 0;
+  frame.id = is_extended ? FrameId::extended(raw.can_id & CAN_EFF_MASK)
+                         : FrameId::standard(raw.can_id & CAN_SFF_MASK);
   frame.length = raw.len;
   // The kernel does not promise what stands in the bytes that do not count.
   std::copy_n(std::begin(raw.data), raw.len, frame.data.begin());
@@ -136,10 +136,9 @@ bool set_option(int socket, int level, int option, const Value& value) {
 bool set_filters(int socket, std::span<const CanFilter> filters) {
   std::vector<can_filter> raw;
   for (const CanFilter& filter : filters) {
-    raw.push_back(
-        {.can_id =
-             filter.id | (filter.is_extended ? CAN_EFF_FLAG : 0U) | (filter.is_remote ? CAN_RTR_FLAG : 0U),
-         .can_mask = flags_and_id | ((filter.is_extended ? CAN_EFF_MASK : CAN_SFF_MASK) & ~filter.any_bits)});
+    raw.push_back({.can_id = raw_id(filter.id) | (filter.is_remote ? CAN_RTR_FLAG : 0U),
+                   .can_mask = flags_and_id |
+                               ((filter.id.is_extended() ? CAN_EFF_MASK : CAN_SFF_MASK) & ~filter.any_bits)});
   }
   return ::setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, raw.data(),
                       static_cast<socklen_t>(raw.size() * sizeof(can_filter))) == 0;

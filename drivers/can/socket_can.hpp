@@ -15,6 +15,7 @@
 #include "drivers/refusal.hpp"
 #include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/frame.hpp"
+#include "inbetween/can/frame_id.hpp"
 
 namespace inbetween::can {
 
@@ -50,8 +51,7 @@ struct CanCounters {
 
 /// Which frames come in: data frames of one identifier, or of a block of them, or remote frames.
 struct CanFilter {
-  std::uint32_t id = 0;
-  bool is_extended = false;
+  FrameId id = {};
   bool is_remote = false;
   std::uint32_t any_bits = 0;  ///< these bits of the identifier may be anything
 };

@@ -24,8 +24,8 @@ void refuse_long_ticks(const Bus& bus, const BusShare& share) {
 }
 
 bool meet(const can::CanFilter& one, const can::CanFilter& other) {
-  return one.is_extended == other.is_extended &&
-         ((one.id ^ other.id) & ~(one.any_bits | other.any_bits)) == 0;
+  return one.id.is_extended() == other.id.is_extended() &&
+         ((one.id.number() ^ other.id.number()) & ~(one.any_bits | other.any_bits)) == 0;
 }
 
 template <class Kind>
@@ -47,7 +47,8 @@ void refuse_common_identifiers(const RigFile& rig, const Bus& bus) {
               rig.axes[b].place,
               fmt::format("{}: its drive and that of {} would both use identifier {:X}h on bus {}; "
                           "give it another node, or another bus",
-                          named(rig.axes[b]), named(rig.axes[a]), one.id | other.id, in_quotes(bus.name)));
+                          named(rig.axes[b]), named(rig.axes[a]), one.id.number() | other.id.number(),
+                          in_quotes(bus.name)));
         }
       }
     }

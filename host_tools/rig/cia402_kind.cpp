@@ -275,7 +275,7 @@ std::string Cia402Kind::fitness_of(const can::Cia402Drive& host, std::int32_t ra
 std::vector<can::CanFilter> Cia402Kind::heard_by_host(const RigAxis& axis) {
   const can::NodeId node = node_of(axis);
   std::vector<can::CanFilter> filters;
-  for (const std::uint32_t id :
+  for (const can::FrameId id :
        {can::nmt_id, can::sync_id, can::heartbeat_id(host_node()), can::tpdo1_id(node), can::rpdo1_id(node),
         can::heartbeat_id(node), can::emergency_id(node), can::sdo_answer_id(node),
         can::sdo_request_id(node)}) {

@@ -76,12 +76,12 @@ std::string CubemarsKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate
 
 std::vector<can::CanFilter> CubemarsKind::heard_by_host(const RigAxis& axis) {
   const can::CubemarsMotor motor = cubemars_motor_of(axis);
-  return {{.id = can::cubemars_id(motor, can::CubemarsPacket::feedback), .is_extended = true},
-          {.id = motor.value(), .is_extended = true, .any_bits = command_bits}};
+  return {{.id = can::cubemars_id(motor, can::CubemarsPacket::feedback)},
+          {.id = can::FrameId::extended(motor.value()), .any_bits = command_bits}};
 }
 
 std::vector<can::CanFilter> CubemarsKind::heard_by_drive(const RigAxis& axis) {
-  return {{.id = cubemars_motor_of(axis).value(), .is_extended = true, .any_bits = command_bits}};
+  return {{.id = can::FrameId::extended(cubemars_motor_of(axis).value()), .any_bits = command_bits}};
 }
 
 /// A position for each, and feedback as often as a motor can send it.

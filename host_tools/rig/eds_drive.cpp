@@ -32,8 +32,8 @@ struct Setting {
   can::ObjectAddress object;
   std::uint32_t value;
 };
-constexpr std::array set_by_somebody{Setting{{.index = 0x1005}, can::sync_id}, Setting{{.index = 0x6065}, 1},
-                                     Setting{{.index = 0x607B, .sub = 1}, 0},
+constexpr std::array set_by_somebody{Setting{{.index = 0x1005}, can::sync_id.number()},
+                                     Setting{{.index = 0x6065}, 1}, Setting{{.index = 0x607B, .sub = 1}, 0},
                                      Setting{{.index = 0x607B, .sub = 2}, 0}};
 
 SimulatedCia402Settings with_settings(SimulatedCia402Settings drive) {

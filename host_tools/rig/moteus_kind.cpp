@@ -39,8 +39,8 @@ std::int64_t moteus_watchdog_ns(std::int32_t rate_hz) {
 std::vector<can::CanFilter> filters_for(std::uint32_t receiver) {
   constexpr std::uint32_t any_sender = 0xFF80;
   constexpr std::uint32_t any_sender_of_11_bits = any_sender & 0x7FF;
-  return {{.id = receiver, .is_extended = true, .any_bits = any_sender},
-          {.id = receiver, .any_bits = any_sender_of_11_bits}};
+  return {{.id = can::FrameId::extended(receiver), .any_bits = any_sender},
+          {.id = can::FrameId::standard(receiver), .any_bits = any_sender_of_11_bits}};
 }
 
 }  // namespace
@@ -88,8 +88,10 @@ std::string MoteusKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_h
 std::vector<can::CanFilter> MoteusKind::heard_by_host(const RigAxis& axis) {
   const std::uint32_t node = moteus_node_of(axis).value();
   const std::uint32_t answer = node << can::moteus_sender_shift;
-  std::vector<can::CanFilter> filters{{.id = answer, .is_extended = true}};
-  if (answer <= 0x7FF) filters.push_back({.id = answer});
+  std::vector<can::CanFilter> filters{{.id = can::FrameId::extended(answer)}};
+  if (answer <= can::FrameId::max_standard) {
+    filters.push_back({.id = can::FrameId::standard(answer)});
+  }
   for (const std::uint32_t receiver : {node, can::moteus_all_nodes}) {
     std::ranges::copy(filters_for(receiver), std::back_inserter(filters));
   }
@@ -108,7 +110,8 @@ BusShare MoteusKind::share_of(const RigFile& rig, std::span<const std::size_t> a
                  .frames = static_cast<std::int64_t>(Bus::frames_per_tick(axes.size()))};
   for (const std::size_t a : axes) {
     const inbetween::Bus& bus = bus_named(rig, std::get<MoteusDrive>(rig.axes[a].drive).bus);
-    const bool is_long = moteus_node_of(rig.axes[a]).value() << can::moteus_sender_shift > 0x7FF;
+    const bool is_long = std::uint32_t{moteus_node_of(rig.axes[a]).value()} << can::moteus_sender_shift >
+                         can::FrameId::max_standard;
     share.bits += can::bits_of_arbitration(can::worst_case_fd_bits(command_bytes, true), bus.bitrate,
                                            *bus.data_bitrate) +
                   can::bits_of_arbitration(can::worst_case_fd_bits(answer_bytes, is_long), bus.bitrate,

@@ -20,6 +20,11 @@ can::OdriveNode odrive_node_of(const RigAxis& axis) {
                          named(axis));
 }
 
+/// The first of the identifiers of a drive: its message bits are 0.
+can::FrameId first_odrive_id(const RigAxis& axis) {
+  return can::FrameId::standard(std::uint32_t{odrive_node_of(axis).value()} << 5);
+}
+
 can::OdriveFamily family_of(const RigAxis& axis) {
   const bool is_old = std::get<OdriveDrive>(axis.drive).firmware == OdriveFirmware::v0_5;
   return is_old ? can::OdriveFamily::firmware_05 : can::OdriveFamily::firmware_06;
@@ -76,11 +81,11 @@ std::string OdriveKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_h
 }
 
 std::vector<can::CanFilter> OdriveKind::heard_by_host(const RigAxis& axis) {
-  return {{.id = std::uint32_t{odrive_node_of(axis).value()} << 5, .any_bits = can::odrive_message_bits}};
+  return {{.id = first_odrive_id(axis), .any_bits = can::odrive_message_bits}};
 }
 
 std::vector<can::CanFilter> OdriveKind::heard_by_drive(const RigAxis& axis) {
-  const std::uint32_t id = std::uint32_t{odrive_node_of(axis).value()} << 5;
+  const can::FrameId id = first_odrive_id(axis);
   return {{.id = id, .any_bits = can::odrive_message_bits},
           {.id = id, .is_remote = true, .any_bits = can::odrive_message_bits}};
 }

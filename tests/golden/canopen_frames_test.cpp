@@ -24,9 +24,9 @@ namespace canopen_frames_test {
 
 Frame frame_of(const nlohmann::json& entry) {
   const std::string bytes = entry.at("data_hex");
-  Frame frame{
-      .id = static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
-      .length = static_cast<std::uint8_t>(bytes.size() / 2)};
+  Frame frame{.id = FrameId::standard(
+                  static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16))),
+              .length = static_cast<std::uint8_t>(bytes.size() / 2)};
   for (std::size_t i = 0; i < frame.length; ++i) {
     frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
   }
@@ -222,7 +222,7 @@ TEST(CanopenFrames, NoneIsUnderstoodWithAByteLessOrMoreOrAsAnotherKindOfFrame) {
     wrong.is_remote = true;
     EXPECT_FALSE(is_read(wrong, meaning));
     wrong = frame;
-    wrong.is_extended = true;
+    wrong.id = FrameId::extended(frame.id.number());
     EXPECT_FALSE(is_read(wrong, meaning));
     for (const int length : {frame.length - 1, frame.length + 1, 9, 255}) {
       const bool is_other_sync = std::holds_alternative<SyncMark>(meaning) && length <= 1;

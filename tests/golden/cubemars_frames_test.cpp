@@ -24,8 +24,8 @@ TEST(CubemarsFrames, APositionWithItsLimitsIsByteForByteAsItShallBe) {
 
 TEST(CubemarsFrames, ASpeedIsPacketThreeWithElectricalTurnsAMinute) {
   const Frame frame = cubemars_speed_frame(motor, -5000);
-  EXPECT_TRUE(frame.is_extended);
-  EXPECT_EQ(frame.id, 0x300U | motor.value());
+  EXPECT_TRUE(frame.id.is_extended());
+  EXPECT_EQ(frame.id.number(), 0x300U | motor.value());
   ASSERT_EQ(frame.length, 4);
   EXPECT_EQ(frame.data[0], 0xFF);
   EXPECT_EQ(frame.data[1], 0xFF);

@@ -22,11 +22,11 @@ const MoteusNode node = *MoteusNode::make(1);
 
 FdFrame frame_of(const nlohmann::json& entry) {
   const std::string bytes = entry.at("data_hex");
-  FdFrame frame{
-      .id = static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
-      .is_extended = entry.at("extended"),
-      .is_classic = !entry.at("fd"),
-      .length = static_cast<std::uint8_t>(bytes.size() / 2)};
+  FdFrame frame{.id = *FrameId::make(static_cast<std::uint32_t>(
+                                         std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
+                                     entry.at("extended")),
+                .is_classic = !entry.at("fd"),
+                .length = static_cast<std::uint8_t>(bytes.size() / 2)};
   for (std::size_t i = 0; i < frame.length; ++i) {
     frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
   }
@@ -90,7 +90,7 @@ TEST(MoteusFrames, WhatADriveTellsIsReadAndWrittenAgain) {
 
 TEST(MoteusFrames, ThePublishedExampleOf16BitRegistersIsWrittenAndRead) {
   const auto golden = golden_frames();
-  FdFrame frame{.id = 0x8001, .is_extended = true};
+  FdFrame frame{.id = FrameId::extended(0x8001)};
   MoteusWriter writer(frame);
   writer.write(MoteusRegister::mode, MoteusType::int8, std::array{10.0});
   // What lies between two steps is cut off towards 0. Register 022 is not one of ours: it counts in whole

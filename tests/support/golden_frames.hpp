@@ -14,11 +14,11 @@ namespace inbetween {
 
 inline can::Frame frame_of_json(const nlohmann::json& entry) {
   const std::string bytes = entry.at("data_hex");
-  can::Frame frame{
-      .id = static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
-      .is_extended = entry.at("extended"),
-      .is_remote = entry.value("rtr", false),
-      .length = static_cast<std::uint8_t>(bytes.size() / 2)};
+  can::Frame frame{.id = *can::FrameId::make(static_cast<std::uint32_t>(std::stoul(
+                                                 entry.at("id_hex").get<std::string>(), nullptr, 16)),
+                                             entry.at("extended")),
+                   .is_remote = entry.value("rtr", false),
+                   .length = static_cast<std::uint8_t>(bytes.size() / 2)};
   for (std::size_t i = 0; i < frame.length; ++i) {
     frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
   }

@@ -98,7 +98,7 @@ class QuirkScene {
     return std::string(words.what) + " (" + words_of(host().refusal()) + "); " + words.remedy;
   }
   [[nodiscard]] can::DrivePhase phase() const { return hosts_.front().phase(); }
-  [[nodiscard]] int times_sent(std::uint32_t id, std::initializer_list<std::uint8_t> first_bytes) const {
+  [[nodiscard]] int times_sent(can::FrameId id, std::initializer_list<std::uint8_t> first_bytes) const {
     return static_cast<int>(std::ranges::count_if(sent, [&](const can::Frame& frame) {
       return frame.id == id &&
              std::ranges::equal(first_bytes, std::span(frame.data).first(first_bytes.size()));

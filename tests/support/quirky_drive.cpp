@@ -168,7 +168,7 @@ void QuirkyDrive::read_quirks(std::string_view quirks) {
 }
 
 void QuirkyDrive::send(unsigned id, const Bytes& bytes) {
-  can::Frame frame{.id = id, .length = static_cast<std::uint8_t>(bytes.size())};
+  can::Frame frame{.id = can::FrameId::standard(id), .length = static_cast<std::uint8_t>(bytes.size())};
   std::ranges::copy(bytes, frame.data.begin());
   frames_.push_back(frame);
 }
@@ -254,18 +254,19 @@ void QuirkyDrive::send_emergency(unsigned code) {
 }
 
 void QuirkyDrive::receive(const can::Frame& frame) {
-  if (boot_ns_ || frame.is_extended) return;
-  if (frame.is_remote && frame.id == 0x700 + node_) return answer_guard();
+  if (boot_ns_ || frame.id.is_extended()) return;
+  const std::uint32_t id = frame.id.number();
+  if (frame.is_remote && id == 0x700 + node_) return answer_guard();
   if (frame.is_remote) return;
   const Bytes bytes(frame.data.begin(), frame.data.begin() + frame.length);
   const std::uint32_t host = value(0x1016, 1);
-  if (frame.id == 0x000 && bytes.size() == 2 && (bytes[1] == 0 || bytes[1] == node_)) obey_nmt(bytes[0]);
-  if (frame.id == 0x600 + node_ && bytes.size() == 8 && nmt_ != 0x04) serve(bytes);
-  if (frame.id == 0x80) hear_sync();
-  if (frame.id == 0x700 + (host >> 16) && (host & 0xFFFF) != 0) {
+  if (id == 0x000 && bytes.size() == 2 && (bytes[1] == 0 || bytes[1] == node_)) obey_nmt(bytes[0]);
+  if (id == 0x600 + node_ && bytes.size() == 8 && nmt_ != 0x04) serve(bytes);
+  if (id == 0x80) hear_sync();
+  if (id == 0x700 + (host >> 16) && (host & 0xFFFF) != 0) {
     host_deadline_ns_ = now_ns_ + (host & 0xFFFF) * ms;
   }
-  if (nmt_ != 0x05 || !is_valid(0x1400) || frame.id != (value(0x1400, 1) & 0x7FF)) return;
+  if (nmt_ != 0x05 || !is_valid(0x1400) || id != (value(0x1400, 1) & 0x7FF)) return;
   if (value(0x1400, 5) != 0) setpoint_deadline_ns_ = now_ns_ + value(0x1400, 5) * ms;
   if (value(0x1400, 2) <= 240) {
     waiting_ = bytes;

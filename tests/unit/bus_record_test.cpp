@@ -30,7 +30,7 @@ const std::string rig_of_document = rig_text({{.name = "slide",
 
 /// As candump -L writes it.
 std::string text_of(const can::Frame& frame) {
-  std::string text = fmt::format("{:03X}#", frame.id);
+  std::string text = fmt::format("{:03X}#", frame.id.number());
   for (std::size_t i = 0; i < frame.length; ++i) text += fmt::format("{:02X}", frame.data[i]);
   return text;
 }

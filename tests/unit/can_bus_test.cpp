@@ -106,7 +106,7 @@ class BusOfTwo : public testing::Test {
   }
   [[nodiscard]] std::vector<std::uint32_t> ids() const {
     std::vector<std::uint32_t> ids;
-    for (const Frame& frame : sent) ids.push_back(frame.id);
+    for (const Frame& frame : sent) ids.push_back(frame.id.number());
     return ids;
   }
 };
@@ -195,7 +195,7 @@ TEST_F(BusOfTwo, AForeignSenderAtBootKeepsTheDriveOff) {  // docs/faults.md 17
 TEST_F(BusOfTwo, FramesOfOthersAreCountedAndLeftAlone) {
   enable();
   bus.receive({.id = 0x709, .length = 1, .data = {0x05}}, now);
-  bus.receive({.id = 0x205, .is_extended = true, .length = 6}, now);
+  bus.receive({.id = FrameId::extended(0x205), .length = 6}, now);
   bus.receive({.id = 0x705, .is_remote = true}, now);
   bus.receive({.id = 0x7FF, .length = 77}, now);
   for (const Cia402Drive& drive : drives) EXPECT_TRUE(drive.findings().empty());

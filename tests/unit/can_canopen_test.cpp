@@ -37,13 +37,13 @@ TEST(NodeId, IsOneTo127) {
 
 TEST(CanopenId, ProcessDataNeverUseARestrictedIdentifier) {
   for (int n = 1; n <= 127; ++n) {
-    EXPECT_FALSE(is_restricted(tpdo1_id(node(n)))) << n;
-    EXPECT_FALSE(is_restricted(rpdo1_id(node(n)))) << n;
-    EXPECT_TRUE(is_restricted(sdo_answer_id(node(n)))) << n;
-    EXPECT_TRUE(is_restricted(sdo_request_id(node(n)))) << n;
-    EXPECT_TRUE(is_restricted(heartbeat_id(node(n)))) << n;
+    EXPECT_FALSE(is_restricted(tpdo1_id(node(n)).number())) << n;
+    EXPECT_FALSE(is_restricted(rpdo1_id(node(n)).number())) << n;
+    EXPECT_TRUE(is_restricted(sdo_answer_id(node(n)).number())) << n;
+    EXPECT_TRUE(is_restricted(sdo_request_id(node(n)).number())) << n;
+    EXPECT_TRUE(is_restricted(heartbeat_id(node(n)).number())) << n;
   }
-  EXPECT_TRUE(is_restricted(nmt_id));
+  EXPECT_TRUE(is_restricted(nmt_id.number()));
 }
 
 TEST(LittleEndian, TheLowestByteComesFirst) {
@@ -186,7 +186,7 @@ TEST_F(SdoClientOfNode5, ReadsAnObject) {
   EXPECT_FALSE(client.begin_upload(mode, 1)) << "one at a time";
   const std::optional<Frame> request = client.poll(0);
   ASSERT_TRUE(request);
-  EXPECT_EQ(request->id, 0x605U);
+  EXPECT_EQ(request->id, FrameId(0x605));
   EXPECT_FALSE(client.poll(499 * ms));
   EXPECT_TRUE(client.receive(
       answer({.kind = SdoKind::upload_value, .object = {.index = 0x6064}, .size = 4, .value = 0xFFFFF63C})));

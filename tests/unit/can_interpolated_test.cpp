@@ -28,7 +28,7 @@ struct Command {
 template <class Act>
 std::vector<Command> told(Axis& axis, Act act) {
   std::vector<Command> commands;
-  const std::uint32_t id = can::rpdo1_id(*can::NodeId::make(3));
+  const can::FrameId id = can::rpdo1_id(*can::NodeId::make(3));
   axis.wire.set_fate([&](const Frame& frame, std::int64_t) -> FrameFate {
     if (frame.id == id && frame.length == 6) {
       commands.push_back({can::load<std::uint16_t>(frame.data, 0),

@@ -99,8 +99,9 @@ TEST(CubemarsReport, AnyFramesAreUnderstoodOrRefused) {
   int understood = 0;
   for (int i = 0; i < 200'000; ++i) {
     constexpr std::uint32_t packets[] = {0, 1, 6, 8, 0x0F, 0x10, 0x29, 0x29, 0x29, 0x2A};
-    Frame frame{.id = packets[random() % 10] << 8 | (random() % 8 == 0 ? 4U : 3U)};
-    frame.is_extended = random() % 16 != 0;
+    const std::uint32_t number = packets[random() % 10] << 8 | (random() % 8 == 0 ? 4U : 3U);
+    const bool is_extended = random() % 16 != 0;
+    Frame frame{.id = is_extended ? can::FrameId::extended(number) : can::FrameId::standard(number & 0x7FF)};
     frame.is_remote = random() % 16 == 0;
     frame.length = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 9 : 8);
     for (std::size_t byte = 0; byte < frame.length; ++byte) {
@@ -111,7 +112,7 @@ TEST(CubemarsReport, AnyFramesAreUnderstoodOrRefused) {
     }
     if (!cubemars.is_concerned(frame)) continue;
     const can::ServoReport report = cubemars.read(frame);
-    const bool is_feedback = frame.id == 0x2903U;
+    const bool is_feedback = frame.id.number() == 0x2903U;
     ASSERT_EQ(report.is_of_a_host, !is_feedback);
     ASSERT_EQ(report.is_bad, is_feedback && (frame.is_remote || frame.length != 8));
     if (!report.place) continue;

@@ -147,12 +147,12 @@ TEST(MoteusReport, ItsPlaceIsKnownByItsOutputShaftOnlyIfTheRigBelievesIt) {
 TEST(MoteusReport, WhatAnybodySendsToItIsOfAHost) {
   const Moteus moteus({.node = node});
   for (const std::uint32_t id : {0x0003U, 0x8103U, 0x007FU}) {
-    const FdFrame frame{.id = id, .is_extended = id > 0x7FF};
+    const FdFrame frame{.id = can::FrameId::shortest(id)};
     ASSERT_TRUE(moteus.is_concerned(frame)) << id;
     EXPECT_TRUE(moteus.read(frame).is_of_a_host) << id;
   }
   EXPECT_FALSE(moteus.is_concerned({.id = 0x0004}));
-  EXPECT_FALSE(moteus.is_concerned({.id = 0x10003, .is_extended = true})) << "of another prefix";
+  EXPECT_FALSE(moteus.is_concerned({.id = can::FrameId::extended(0x10003)})) << "of another prefix";
   EXPECT_FALSE(moteus.is_concerned({.id = 0x301})) << "an answer to another host";
 }
 

@@ -88,9 +88,9 @@ TEST(OdriveReport, AnyFramesAreUnderstoodOrRefused) {
   std::mt19937 random(seed);
   int understood = 0;
   for (int i = 0; i < 200'000; ++i) {
-    Frame frame{.id = static_cast<std::uint32_t>(3U << 5 | (random() & 0x1FU))};
-    frame.is_remote = random() % 16 == 0;
-    frame.is_extended = random() % 16 == 0;
+    const auto number = static_cast<std::uint32_t>(3U << 5 | (random() & 0x1FU));
+    Frame frame{.is_remote = random() % 16 == 0};
+    frame.id = random() % 16 == 0 ? can::FrameId::extended(number) : can::FrameId::standard(number);
     frame.length = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 9 : 8);
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random());
     for (const OdriveFamily family : {v05, v06}) {
@@ -174,7 +174,8 @@ TEST(OdriveReport, TheOtherFamilyIsNeverAskedForItsNumber) {
   for (int i = 0; i < 20; ++i) {
     for (Odrive* drive : {&old, &unknown}) {
       const auto asked = drive->order(ServoOrder::say_what_you_are);
-      EXPECT_NE(asked ? asked->id & odrive_message_bits : 0, 0x06U) << "0.5 would take another node by it";
+      EXPECT_NE(asked ? asked->id.number() & odrive_message_bits : 0, 0x06U)
+          << "0.5 would take another node by it";
     }
   }
 }

@@ -78,17 +78,18 @@ TEST(RmdReport, AnyFramesAreUnderstoodOrRefused) {
   for (int i = 0; i < 200'000; ++i) {
     constexpr std::uint32_t ids[] = {0x143, 0x243, 0x243, 0x243, 0x244, 0x280, 0x403};
     constexpr std::uint8_t commands[] = {0x42, 0x80, 0x81, 0x92, 0x9A, 0xA4, 0xB3, 0x00};
-    Frame frame{.id = ids[random() % 7]};
-    frame.is_extended = random() % 16 == 0;
+    const std::uint32_t number = ids[random() % 7];
+    const bool is_extended = random() % 16 == 0;
+    Frame frame{.id = is_extended ? can::FrameId::extended(number) : can::FrameId::standard(number)};
     frame.is_remote = random() % 16 == 0;
     frame.length = static_cast<std::uint8_t>(random() % 4 == 0 ? random() % 9 : 8);
     for (std::uint8_t& byte : frame.data) byte = static_cast<std::uint8_t>(random());
     frame.data[0] = commands[random() % 8];
     if (!rmd.is_concerned(frame)) continue;
     const can::ServoReport report = rmd.read(frame);
-    ASSERT_EQ(report.is_of_a_host, frame.id != 0x243U);
+    ASSERT_EQ(report.is_of_a_host, frame.id != 0x243);
     const bool is_whole = !frame.is_remote && frame.length == 8;
-    ASSERT_EQ(report.is_bad, frame.id == 0x243U && !is_whole);
+    ASSERT_EQ(report.is_bad, frame.id == 0x243 && !is_whole);
     if (report.place) {
       ++places;
       Frame again = can::rmd_angle_frame(

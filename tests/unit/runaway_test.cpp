@@ -295,7 +295,7 @@ TYPED_TEST(RunawayOnABus, NoMoveWithinItsLimitsIsTakenForOne) {
     const auto meant = TypeParam::heard_by_drive(axis.axis());
     axis.wire.set_fate([&](const auto& frame, std::int64_t) {
       const bool is_heard = std::ranges::any_of(meant, [&](const can::CanFilter& filter) {
-        return ((frame.id ^ filter.id) & ~filter.any_bits & 0x1FFFFFFFU) == 0;
+        return ((frame.id.number() ^ filter.id.number()) & ~filter.any_bits & 0x1FFFFFFFU) == 0;
       });
       const bool is_told = has_sync ? frame.id == can::rpdo1_id(*can::NodeId::make(3)) : is_heard;
       return FrameFate{.delay_ns = is_told ? lag_ns : 0};

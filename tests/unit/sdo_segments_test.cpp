@@ -58,7 +58,7 @@ struct Transfer {
   struct Injected {
     int number = 0;
     std::uint32_t code = 0;
-    [[nodiscard]] can::Frame frame(std::uint32_t id) const {
+    [[nodiscard]] can::Frame frame(can::FrameId id) const {
       return can::sdo_frame(id, {.kind = SdoKind::abort, .object = {.index = 0x2F00}, .value = code});
     }
   };

@@ -385,7 +385,7 @@ TEST(SimulatedCanBus, TheLowestIdentifierIsHeardFirstAndNobodyHearsHimself) {
   SimulatedCanBus bus;
   std::vector<std::uint32_t> order;
   bus.set_fate([&](const Frame& frame, std::int64_t) {
-    order.push_back(frame.id);
+    order.push_back(frame.id.number());
     return FrameFate{.copies = frame.id == 0x123 ? 2 : 1, .delay_ns = frame.id == 0x080 ? 5 : 0};
   });
   bus.send({.id = 0x77F, .length = 1, .data = {5}});
@@ -393,7 +393,7 @@ TEST(SimulatedCanBus, TheLowestIdentifierIsHeardFirstAndNobodyHearsHimself) {
   bus.inject({.id = 0x123});
   bus.inject({.id = 0x080});
   std::vector<std::uint32_t> heard;
-  for (const Frame& frame : bus.run(0)) heard.push_back(frame.id);
+  for (const Frame& frame : bus.run(0)) heard.push_back(frame.id.number());
   EXPECT_EQ(heard, (std::vector<std::uint32_t>{0x123, 0x123, 0x7FF}));
   EXPECT_EQ(order.size(), 4U);
   EXPECT_TRUE(bus.run(4).empty());

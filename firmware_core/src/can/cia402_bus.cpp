@@ -7,13 +7,13 @@
 namespace inbetween::can {
 namespace {
 
-bool is_from(const Cia402Drive& drive, std::uint32_t id) {
+bool is_from(const Cia402Drive& drive, FrameId id) {
   const NodeId node = drive.node();
   return id == tpdo1_id(node) || id == heartbeat_id(node) || id == emergency_id(node) ||
          id == sdo_answer_id(node);
 }
 
-bool is_to(const Cia402Drive& drive, std::uint32_t id) {
+bool is_to(const Cia402Drive& drive, FrameId id) {
   return id == rpdo_id(drive.node(), drive.rpdo()) || id == sdo_request_id(drive.node());
 }
 

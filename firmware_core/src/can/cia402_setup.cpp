@@ -113,7 +113,8 @@ void check_identity(ScriptWriter& writer, const Cia402Setup& setup) {
   // enabled.
   expect({.index = 0x6502}, mode_bit, mode_bit, DriveFinding::mode_not_offered, true);
   // No producer of SYNC, and the identifier that the host uses: without the object it has no other.
-  expect({.index = 0x1005}, sync_id, 0x40000000 | cob_id_number, DriveFinding::sync_of_another, true);
+  expect({.index = 0x1005}, sync_id.number(), 0x40000000 | cob_id_number, DriveFinding::sync_of_another,
+         true);
 }
 
 void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
@@ -128,7 +129,7 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
     if (number != 1) switch_off(tpdo(number));
   }
   const Pdo received = rpdo(setup.rpdo);
-  const std::uint32_t id = rpdo_id(setup.node, setup.rpdo);
+  const std::uint32_t id = rpdo_id(setup.node, setup.rpdo).number();
   compare(writer, received, command_mapping(setup.mode), id);
   map(writer, received, command_mapping(setup.mode));
   writer.add({.action = SetupAction::watchdog,
@@ -138,11 +139,11 @@ void set_pdos(ScriptWriter& writer, const Cia402Setup& setup) {
               .value = setup.setpoint_timeout_ms});
   switch_on(writer, received, id);
 
-  compare(writer, tpdo(1), feedback_mapping(), tpdo1_id(setup.node));
+  compare(writer, tpdo(1), feedback_mapping(), tpdo1_id(setup.node).number());
   map(writer, tpdo(1), feedback_mapping());
   writer.write_if_there({.index = tpdo(1).communication, .sub = pdo_sub_inhibit}, 2, 0);
   writer.write_if_there({.index = tpdo(1).communication, .sub = pdo_sub_event_timer}, 2, 0);
-  switch_on(writer, tpdo(1), tpdo1_id(setup.node));
+  switch_on(writer, tpdo(1), tpdo1_id(setup.node).number());
 }
 
 void set_period(ScriptWriter& writer, const Cia402Setup& setup, const InterpolationPeriod& period) {
@@ -337,8 +338,8 @@ void change_rpdo(SetupScript& script, NodeId node, std::uint8_t from, std::uint8
     const unsigned number = step.object.index & 3U;
     if (number != away && number != wanted) continue;
     const bool has_cob_id =
-        group == 0x1400 && step.object.sub == pdo_sub_cob_id && step.value == rpdo_id(node, from);
-    if (has_cob_id) step.value = rpdo_id(node, to);
+        group == 0x1400 && step.object.sub == pdo_sub_cob_id && step.value == rpdo_id(node, from).number();
+    if (has_cob_id) step.value = rpdo_id(node, to).number();
     step.object.index = static_cast<std::uint16_t>(group | (number == away ? wanted : away));
   }
 }

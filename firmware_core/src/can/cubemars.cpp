@@ -16,11 +16,10 @@ constexpr double decidegrees_per_turn = 3'600;
 constexpr std::int16_t flows_no_current = 20;  // centiamperes; the offset of a current sensor is less
 
 Frame frame_of(CubemarsMotor motor, CubemarsPacket packet, std::uint8_t length) {
-  return {.id = cubemars_id(motor, packet), .is_extended = true, .length = length};
+  return {.id = cubemars_id(motor, packet), .length = length};
 }
 bool is_packet(const Frame& frame, CubemarsMotor motor, CubemarsPacket packet, std::uint8_t length) {
-  return frame.is_extended && !frame.is_remote && frame.id == cubemars_id(motor, packet) &&
-         frame.length == length;
+  return !frame.is_remote && frame.id == cubemars_id(motor, packet) && frame.length == length;
 }
 
 /// Most significant first.
@@ -128,13 +127,13 @@ Result<Cubemars> Cubemars::make(const CubemarsSettings& settings) {
 }
 
 bool Cubemars::is_concerned(const Frame& frame) const {
-  const std::uint32_t packet = frame.id >> 8;
+  const std::uint32_t packet = frame.id.number() >> 8;
   const bool is_known = packet < cubemars_commands || packet == static_cast<std::uint32_t>(feedback);
-  return frame.is_extended && is_known && (frame.id & 0xFFU) == settings_.motor.value();
+  return frame.id.is_extended() && is_known && (frame.id.number() & 0xFFU) == settings_.motor.value();
 }
 
 ServoReport Cubemars::read(const Frame& frame) {
-  if (frame.id >> 8 != static_cast<std::uint32_t>(feedback)) return {.is_of_a_host = true};
+  if (frame.id.number() >> 8 != static_cast<std::uint32_t>(feedback)) return {.is_of_a_host = true};
   const auto told = read_cubemars_feedback(frame, settings_.motor);
   if (!told) return {.is_bad = true};
   // What is more than half a round the one way is less than half a round the other.

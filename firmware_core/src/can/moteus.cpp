@@ -9,13 +9,11 @@ namespace {
 
 using enum MoteusRegister;
 
-constexpr std::uint32_t max_standard_id = 0x7FF;
 constexpr std::array wanted_mode{static_cast<double>(MoteusMode::position)};
 constexpr std::array stopped_mode{static_cast<double>(MoteusMode::stopped)};
 
 FdFrame frame_for(MoteusNode node, bool asks) {
-  const std::uint32_t id = node.value() | (asks ? moteus_asks_for_answer : 0U);
-  return {.id = id, .is_extended = id > max_standard_id};
+  return {.id = FrameId::shortest(node.value() | (asks ? moteus_asks_for_answer : 0U))};
 }
 
 /// 24 bytes of answer.

@@ -17,7 +17,7 @@ Frame frame_of(OdriveNode node, OdriveMessage message, std::uint8_t length) {
   return {.id = odrive_id(node, message), .length = length};
 }
 bool is_message(const Frame& frame, OdriveNode node, OdriveMessage message) {
-  return !frame.is_extended && !frame.is_remote && frame.id == odrive_id(node, message) && frame.length == 8;
+  return !frame.is_remote && frame.id == odrive_id(node, message) && frame.length == 8;
 }
 
 void store_float(Frame& frame, std::size_t offset, float value) {
@@ -235,8 +235,8 @@ Frame odrive_error_frame(OdriveNode node, const OdriveError& told) {
 }
 
 std::optional<std::uint32_t> read_odrive_part(const Frame& frame, OdriveNode node, OdrivePart part) {
-  const bool is_it = !frame.is_extended && !frame.is_remote &&
-                     frame.id == odrive_id(node, static_cast<OdriveMessage>(part)) && frame.length >= 4;
+  const bool is_it =
+      !frame.is_remote && frame.id == odrive_id(node, static_cast<OdriveMessage>(part)) && frame.length >= 4;
   if (!is_it) return {};
   return load<std::uint32_t>(frame.data, 0);
 }
@@ -267,8 +267,8 @@ const char* words_of_odrive_part(OdrivePart part, std::uint32_t bit) {
 
 std::optional<std::uint64_t> read_odrive_serial(const Frame& frame, OdriveNode node) {
   constexpr std::uint8_t min_length = 7;
-  const bool is_it = !frame.is_extended && !frame.is_remote && frame.id == odrive_id(node, address) &&
-                     frame.length >= min_length && frame.data[0] == node.value();
+  const bool is_it = !frame.is_remote && frame.id == odrive_id(node, address) && frame.length >= min_length &&
+                     frame.data[0] == node.value();
   if (!is_it) return {};
   std::uint64_t serial = 0;
   for (std::size_t i = 0; i < 6; ++i) serial |= std::uint64_t{frame.data[1 + i]} << (8 * i);
@@ -299,7 +299,7 @@ ServoReport Odrive::read(const Frame& frame) {
       if (const auto told = read_odrive_part(frame, node_, odrive_parts[i])) part_errors_[i] = *told;
     }
   }
-  switch (static_cast<OdriveMessage>(frame.id & odrive_message_bits)) {
+  switch (static_cast<OdriveMessage>(frame.id.number() & odrive_message_bits)) {
     case heartbeat: {
       const auto told = read_odrive_heartbeat(frame, node_, family_);
       if (!told) return {.is_bad = true};

@@ -14,13 +14,13 @@ constexpr std::uint8_t acceleration_of_positions = 0;  // the index in read_acce
 constexpr double volts_per_raw = 0.1;
 constexpr double amperes_per_raw = 0.01;
 
-Frame frame_of(std::uint32_t id, RmdCommand command) {
+Frame frame_of(FrameId id, RmdCommand command) {
   Frame frame{.id = id, .length = 8};
   frame.data[0] = static_cast<std::uint8_t>(command);
   return frame;
 }
-bool is_whole(const Frame& frame, std::uint32_t id) {
-  return !frame.is_extended && !frame.is_remote && frame.id == id && frame.length == 8;
+bool is_whole(const Frame& frame, FrameId id) {
+  return !frame.is_remote && frame.id == id && frame.length == 8;
 }
 bool is_answer(const Frame& frame, RmdMotor motor, RmdCommand command) {
   return is_whole(frame, rmd_answer_id(motor)) && frame.data[0] == static_cast<std::uint8_t>(command);
@@ -141,7 +141,6 @@ Result<Rmd> Rmd::make(const RmdSettings& settings) {
 }
 
 bool Rmd::is_concerned(const Frame& frame) const {
-  if (frame.is_extended) return false;
   const RmdMotor motor = settings_.motor;
   return frame.id == rmd_answer_id(motor) || frame.id == rmd_command_id(motor) ||
          frame.id == rmd_all_motors_id || frame.id == rmd_motion_id(motor);

@@ -161,7 +161,7 @@ static_assert(std::ranges::is_sorted(codes, {}, &Words::code));
 
 }  // namespace
 
-Frame sdo_frame(std::uint32_t id, const SdoMessage& message) {
+Frame sdo_frame(FrameId id, const SdoMessage& message) {
   Frame frame{.id = id, .length = 8};
   frame.data[0] = command_byte(message);
   if (is_segment(message.kind)) {

@@ -27,7 +27,7 @@ using ::testing::IsEmpty;
 
 const std::vector<CanFilter> answers = {{.id = 0x181}, {.id = 0x182}};
 
-Frame frame_of(std::uint32_t id, const std::vector<std::uint8_t>& bytes = {}) {
+Frame frame_of(FrameId id, const std::vector<std::uint8_t>& bytes = {}) {
   Frame frame;
   frame.id = id;
   frame.length = static_cast<std::uint8_t>(bytes.size());
@@ -68,8 +68,7 @@ TEST(SocketCan, WhatIsSentIsOnTheBusAsItIs) {
   SocketCan bus;
   open_can0(bus);
   RawBus other("can0");
-  Frame extended = frame_of(0x1ABCDEF0, {1, 2, 3, 4, 5, 6, 7, 8});
-  extended.is_extended = true;
+  Frame extended = frame_of(FrameId::extended(0x1ABCDEF0), {1, 2, 3, 4, 5, 6, 7, 8});
   Frame remote = frame_of(0x705);
   remote.is_remote = true;
   remote.length = 1;
@@ -94,7 +93,7 @@ TEST(SocketCan, WhatIsSentIsOnTheBusAsItIs) {
 
 TEST(SocketCan, OnlyFramesThatAFilterNamesComeIn) {
   SocketCan bus;
-  const std::vector<CanFilter> filters = {{.id = 0x181}, {.id = 0x12345, .is_extended = true}};
+  const std::vector<CanFilter> filters = {{.id = 0x181}, {.id = FrameId::extended(0x12345)}};
   open_can0(bus, filters);
   RawBus other("can0");
   RawBus elsewhere("can1");
@@ -105,8 +104,7 @@ TEST(SocketCan, OnlyFramesThatAFilterNamesComeIn) {
   other.send(0x12345 & CAN_SFF_MASK, {4});  // the low bits of an extended one
   other.send(0x12345 | CAN_EFF_FLAG, {5, 6});
   other.send(0x181, {0xFF, 0xEE});
-  Frame extended = frame_of(0x12345, {5, 6});
-  extended.is_extended = true;
+  Frame extended = frame_of(FrameId::extended(0x12345), {5, 6});
   EXPECT_THAT(received_until(bus, 0xFF), ElementsAre(extended, frame_of(0x181, {0xFF, 0xEE})));
   EXPECT_EQ(bus.counters().received, 2U);
 }
@@ -155,7 +153,7 @@ TEST(SocketCan, FramesThatAreNotClassicCanAreNotSentNorTheirNeighbours) {
   Frame long_one = frame_of(0x201);
   long_one.length = 9;
   EXPECT_EQ(bus.send(too_many), 0U);
-  EXPECT_EQ(bus.send(std::array{frame_of(0x201), frame_of(0x800)}), 0U);
+  EXPECT_EQ(bus.send(std::array{frame_of(0x201), long_one}), 0U);
   EXPECT_EQ(bus.send(std::array{long_one}), 0U);
   EXPECT_EQ(bus.counters().failed_sends, 3U);
   EXPECT_EQ(bus.counters().unsent, too_many.size() + 3);
@@ -344,10 +342,10 @@ class RawFdBus {
 
 TEST(SocketCan, FdFramesAndClassicOnesAmongThemAreOnTheBusAsTheyAre) {
   SocketCanFd bus;
-  const std::vector<CanFilter> filters = {{.id = 0x100}, {.id = 0x8001, .is_extended = true}};
+  const std::vector<CanFilter> filters = {{.id = 0x100}, {.id = FrameId::extended(0x8001)}};
   ASSERT_FALSE(bus.open("can0", filters));
   const RawFdBus other;
-  FdFrame command{.id = 0x8001, .is_extended = true, .length = 32};
+  FdFrame command{.id = FrameId::extended(0x8001), .length = 32};
   for (std::size_t i = 0; i < 32; ++i) command.data.at(i) = static_cast<std::uint8_t>(i + 1);
   FdFrame classic{.id = 0x100, .is_classic = true, .has_fast_data = false, .length = 3};
   classic.data = {7, 8, 9};
@@ -390,8 +388,7 @@ TEST(SocketCan, AnFdFrameOfALengthThatNoneHasIsNotSent) {
   ASSERT_FALSE(bus.open("can0", answers));
   EXPECT_EQ(bus.send(std::array{FdFrame{.id = 1, .length = 23}}), 0U);
   EXPECT_EQ(bus.send(std::array{FdFrame{.id = 1, .is_classic = true, .length = 12}}), 0U);
-  EXPECT_EQ(bus.send(std::array{FdFrame{.id = 0x800, .length = 8}}), 0U);
-  EXPECT_EQ(bus.counters().failed_sends, 3U);
+  EXPECT_EQ(bus.counters().failed_sends, 2U);
   EXPECT_EQ(bus.send(std::array{FdFrame{.id = 1, .length = 24}}), 1U);
 }
 

@@ -66,11 +66,12 @@ class BusUnderTest {
   static Frame any_frame(Bytes& bytes) {
     constexpr std::array<std::uint32_t, 10> ids{0x000, 0x080, 0x085, 0x185, 0x205,
                                                 0x585, 0x605, 0x705, 0x77F, 0x7E4};
-    Frame frame{.id = ids.at(bytes.next() % ids.size())};
+    std::uint32_t number = ids.at(bytes.next() % ids.size());
     const std::uint8_t kind = bytes.next();
-    if ((kind & 0x80) != 0) frame.id += 0x1FFFFE & (std::uint32_t{bytes.next()} << 3);
+    if ((kind & 0x80) != 0) number += 0x1FFFFE & (std::uint32_t{bytes.next()} << 3);
+    const bool is_extended = (kind & 0x20) != 0;
+    Frame frame{.id = is_extended ? FrameId::extended(number) : FrameId::standard(number & 0x7FF)};
     frame.is_remote = (kind & 0x40) != 0;
-    frame.is_extended = (kind & 0x20) != 0;
     frame.length = kind & 0x1F;
     for (std::uint8_t& byte : frame.data) byte = bytes.next();
     return frame;
@@ -124,7 +125,7 @@ class BusUnderTest {
     } else {
       return;
     }
-    deliver(sdo_frame(request_->id - 0x80, answer));
+    deliver(sdo_frame(FrameId::standard(request_->id.number() - 0x80), answer));
   }
   [[nodiscard]] std::uint32_t expected(ObjectAddress object, std::uint8_t how) const {
     if (object.index == 0x1000) return 402;

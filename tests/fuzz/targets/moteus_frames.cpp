@@ -18,14 +18,12 @@ struct MoteusDialect {
     // The identifiers of the answers of the second have 29 bits.
     return Moteus({.node = MoteusNode::make(axis == 0 ? 3 : 9).value(), .must_know_place = axis == 0});
   }
-  static FdFrame answer(std::size_t axis) {
-    return {.id = axis == 0 ? 0x300U : 0x900U, .is_extended = axis != 0};
-  }
+  static FdFrame answer(std::size_t axis) { return {.id = FrameId::shortest(axis == 0 ? 0x300U : 0x900U)}; }
 
   static FdFrame any_frame(Bytes& bytes) {
     const std::uint8_t kind = bytes.next();
     FdFrame frame = answer(kind & 1);
-    if ((kind & 0x40) != 0) frame.id = (kind & 1) != 0 ? 0x109 : 0x03;
+    if ((kind & 0x40) != 0) frame.id = (kind & 1) != 0 ? FrameId::extended(0x109) : FrameId(0x03);
     frame.is_classic = (kind & 0x20) != 0;
     frame.length = static_cast<std::uint8_t>(fd_length_for(bytes.next() % 65));
     for (std::size_t i = 0; i < frame.length; ++i) frame.data.at(i) = bytes.next();
@@ -50,11 +48,11 @@ struct MoteusDialect {
   }
 
   static std::optional<std::size_t> axis_of(const FdFrame& frame) {
-    const std::uint32_t receiver = frame.id & 0x7F;
+    const std::uint32_t receiver = frame.id.number() & 0x7F;
     MoteusReader reader(frame);
     while (reader.next()) continue;
     const bool is_whole = !reader.is_bad() && is_fd_length(frame.length) && !frame.is_classic &&
-                          frame.is_extended == (frame.id > 0x7FF);
+                          frame.id == FrameId::shortest(frame.id.number());
     if (!is_whole || (receiver != 3 && receiver != 9)) return {};
     return receiver == 3 ? 0U : 1U;
   }

@@ -52,7 +52,7 @@ struct RmdUnderTest {
   }
   /// Its velocity limit, if it is a position.
   static std::optional<int> limit_in(const Frame& frame) {
-    fuzz_require(frame.length == 8 && !frame.is_extended && frame.id == rmd_command_id(rmd_motor), "for it");
+    fuzz_require(frame.length == 8 && frame.id == rmd_command_id(rmd_motor), "for it");
     const auto position = read_rmd_position(frame, rmd_motor);
     return position ? std::optional<int>(position->max_deg_per_s) : std::nullopt;
   }
@@ -77,7 +77,7 @@ struct CubemarsUnderTest {
                                     .error = what > 250 ? std::uint8_t{5} : std::uint8_t{0}});
   }
   static std::optional<int> limit_in(const Frame& frame) {
-    fuzz_require(frame.is_extended && (frame.id & 0xFFU) == cubemars_motor.value(), "for it");
+    fuzz_require(frame.id.is_extended() && (frame.id.number() & 0xFFU) == cubemars_motor.value(), "for it");
     const auto position = read_cubemars_position(frame, cubemars_motor);
     // A speed gives power as a position does, and 0 is the only one.
     if (read_cubemars_speed(frame, cubemars_motor) == 0) return 1;
@@ -114,9 +114,10 @@ class BusUnderTest {
  private:
   static Frame any_frame(Bytes& bytes) {
     const std::uint8_t kind = bytes.next();
-    Frame frame{.id = Motor::id(kind)};
+    const bool is_extended = Motor::is_extended != ((kind & 0x20) != 0);
+    const std::uint32_t number = Motor::id(kind);
+    Frame frame{.id = is_extended ? FrameId::extended(number) : FrameId::standard(number & 0x7FF)};
     frame.is_remote = (kind & 0x40) != 0;
-    frame.is_extended = Motor::is_extended != ((kind & 0x20) != 0);
     frame.length = (kind & 0x10) != 0 ? 7 : 8;
     for (std::uint8_t& byte : frame.data) byte = bytes.next();
     return frame;

@@ -21,9 +21,9 @@ struct OdriveDialect {
   static Odrive protocol(std::size_t axis) { return {node_of(axis), families.at(axis)}; }
   static Frame any_frame(Bytes& bytes) {
     const std::uint8_t kind = bytes.next();
-    Frame frame{.id = (3U + (kind & 1U)) << 5 | (bytes.next() & odrive_message_bits)};
+    const std::uint32_t number = (3U + (kind & 1U)) << 5 | (bytes.next() & odrive_message_bits);
+    Frame frame{.id = (kind & 0x20) != 0 ? FrameId::extended(number) : FrameId::standard(number)};
     frame.is_remote = (kind & 0x40) != 0;
-    frame.is_extended = (kind & 0x20) != 0;
     frame.length = (kind & 0x10) != 0 ? 7 : 8;
     for (std::uint8_t& byte : frame.data) byte = bytes.next();
     return frame;
@@ -44,8 +44,8 @@ struct OdriveDialect {
     }
   }
   static std::optional<std::size_t> axis_of(const Frame& frame) {
-    const std::size_t axis = (frame.id >> 5) - 3;
-    if (axis >= 2 || frame.length > 8 || frame.is_extended) return {};
+    const std::size_t axis = (frame.id.number() >> 5) - 3;
+    if (axis >= 2 || frame.length > 8 || frame.id.is_extended()) return {};
     return axis;
   }
   static bool feeds(const Frame& /*frame*/) { return true; }

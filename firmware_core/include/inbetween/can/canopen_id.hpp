@@ -29,30 +29,30 @@ class NodeId {
   std::uint8_t value_;
 };
 
-inline constexpr std::uint32_t nmt_id = 0x000;
-inline constexpr std::uint32_t sync_id = 0x080;
-constexpr std::uint32_t emergency_id(NodeId node) {
-  return 0x080U + node.value();
+inline constexpr FrameId nmt_id = 0x000;
+inline constexpr FrameId sync_id = 0x080;
+constexpr FrameId emergency_id(NodeId node) {
+  return FrameId::standard(0x080U + node.value());
 }
 /// From the drive, with its first set of process data.
-constexpr std::uint32_t tpdo1_id(NodeId node) {
-  return 0x180U + node.value();
+constexpr FrameId tpdo1_id(NodeId node) {
+  return FrameId::standard(0x180U + node.value());
 }
 /// To the drive, with one of its four sets of process data, 1 to 4 (pre-defined connection set, CiA 301).
-constexpr std::uint32_t rpdo_id(NodeId node, std::uint32_t number) {
-  return 0x100U + 0x100U * number + node.value();
+constexpr FrameId rpdo_id(NodeId node, std::uint32_t number) {
+  return FrameId::standard(0x100U + 0x100U * number + node.value());
 }
-constexpr std::uint32_t rpdo1_id(NodeId node) {
+constexpr FrameId rpdo1_id(NodeId node) {
   return rpdo_id(node, 1);
 }
-constexpr std::uint32_t sdo_answer_id(NodeId node) {
-  return 0x580U + node.value();
+constexpr FrameId sdo_answer_id(NodeId node) {
+  return FrameId::standard(0x580U + node.value());
 }
-constexpr std::uint32_t sdo_request_id(NodeId node) {
-  return 0x600U + node.value();
+constexpr FrameId sdo_request_id(NodeId node) {
+  return FrameId::standard(0x600U + node.value());
 }
-constexpr std::uint32_t heartbeat_id(NodeId node) {
-  return 0x700U + node.value();
+constexpr FrameId heartbeat_id(NodeId node) {
+  return FrameId::standard(0x700U + node.value());
 }
 
 /// Whether CiA 301 forbids a PDO to have this identifier.
@@ -64,7 +64,7 @@ constexpr bool is_restricted(std::uint32_t id) {
 
 /// CANopen knows data frames with 11-bit identifiers only.
 constexpr bool is_canopen(const Frame& frame) {
-  return !frame.is_extended && !frame.is_remote && frame.id <= 0x7FF && frame.length <= 8;
+  return !frame.id.is_extended() && !frame.is_remote && frame.length <= 8;
 }
 
 }  // namespace inbetween::can

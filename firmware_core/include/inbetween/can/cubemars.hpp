@@ -47,8 +47,8 @@ enum class CubemarsPacket : std::uint8_t {
 };
 /// Commands have packet numbers below this.
 inline constexpr std::uint32_t cubemars_commands = 0x10;
-constexpr std::uint32_t cubemars_id(CubemarsMotor motor, CubemarsPacket packet) {
-  return std::uint32_t{static_cast<std::uint8_t>(packet)} << 8 | motor.value();
+constexpr FrameId cubemars_id(CubemarsMotor motor, CubemarsPacket packet) {
+  return FrameId::extended(std::uint32_t{static_cast<std::uint8_t>(packet)} << 8 | motor.value());
 }
 
 /// What the firmware takes its numbers for, and what is on the shaft.

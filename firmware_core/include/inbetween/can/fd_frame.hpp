@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "inbetween/can/frame_id.hpp"
+
 /// CAN FD (ISO 11898-1:2015): up to 64 bytes, which may be sent faster than the identifier.
 ///
 /// This is a type of its own beside Frame: a classic bus then moves 16 bytes for each frame and not 72, and
@@ -14,8 +16,7 @@ namespace inbetween::can {
 /// A frame on a bus that carries CAN FD. `length` is the number of bytes of `data` that count, one of those
 /// that a frame can have.
 struct FdFrame {
-  std::uint32_t id = 0;
-  bool is_extended = false;
+  FrameId id = {};
   bool is_classic = false;    ///< a classic frame among the others: at most 8 bytes
   bool has_fast_data = true;  ///< its bytes are sent at the bitrate of data (bit rate switch)
   std::uint8_t length = 0;

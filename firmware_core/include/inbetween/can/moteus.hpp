@@ -115,11 +115,12 @@ class Moteus {
 
  private:
   [[nodiscard]] bool is_answer(const FdFrame& frame) const {
-    return frame.id == std::uint32_t{settings_.node.value()} << moteus_sender_shift;
+    return frame.id.number() == std::uint32_t{settings_.node.value()} << moteus_sender_shift;
   }
   [[nodiscard]] bool is_for_it(const FdFrame& frame) const {
-    const std::uint32_t receiver = frame.id & moteus_number_bits;
-    return frame.id <= 0xFFFF && (receiver == settings_.node.value() || receiver == moteus_all_nodes);
+    const std::uint32_t receiver = frame.id.number() & moteus_number_bits;
+    return frame.id.number() <= 0xFFFF &&
+           (receiver == settings_.node.value() || receiver == moteus_all_nodes);
   }
   Settings settings_;
 };

@@ -68,8 +68,8 @@ enum class OdrivePart : std::uint8_t { motor = 0x03, encoder = 0x04, controller 
 inline constexpr std::array odrive_parts{OdrivePart::motor, OdrivePart::encoder, OdrivePart::controller};
 /// The bits of an identifier that are the message.
 inline constexpr std::uint32_t odrive_message_bits = 0x1F;
-constexpr std::uint32_t odrive_id(OdriveNode node, OdriveMessage message) {
-  return std::uint32_t{node.value()} << 5 | static_cast<std::uint32_t>(message);
+constexpr FrameId odrive_id(OdriveNode node, OdriveMessage message) {
+  return FrameId::standard(std::uint32_t{node.value()} << 5 | static_cast<std::uint32_t>(message));
 }
 
 inline constexpr std::uint8_t odrive_idle = 1;
@@ -166,7 +166,8 @@ class Odrive {
   /// Whether it tells what it is when it is asked. One of the other family does what this one does not.
   [[nodiscard]] bool tells_identity() const { return family_ == OdriveFamily::firmware_06; }
   [[nodiscard]] bool is_concerned(const Frame& frame) const {
-    return !frame.is_extended && (frame.id & ~odrive_message_bits) == std::uint32_t{node_.value()} << 5;
+    return !frame.id.is_extended() &&
+           (frame.id.number() & ~odrive_message_bits) == std::uint32_t{node_.value()} << 5;
   }
   [[nodiscard]] ServoReport read(const Frame& frame);
   /// Nothing where the drive needs no such order. Asked again what it is, it is asked for more each time.

@@ -47,16 +47,16 @@ enum class RmdCommand : std::uint8_t {
   host_timeout = 0xB3,
 };
 
-constexpr std::uint32_t rmd_command_id(RmdMotor motor) {
-  return 0x140U + motor.value();
+constexpr FrameId rmd_command_id(RmdMotor motor) {
+  return FrameId::standard(0x140U + motor.value());
 }
-constexpr std::uint32_t rmd_answer_id(RmdMotor motor) {
-  return 0x240U + motor.value();
+constexpr FrameId rmd_answer_id(RmdMotor motor) {
+  return FrameId::standard(0x240U + motor.value());
 }
-inline constexpr std::uint32_t rmd_all_motors_id = 0x280;
+inline constexpr FrameId rmd_all_motors_id = 0x280;
 /// Stiffness, damping and torque at once (the motion mode), which is not used here.
-constexpr std::uint32_t rmd_motion_id(RmdMotor motor) {
-  return 0x400U + motor.value();
+constexpr FrameId rmd_motion_id(RmdMotor motor) {
+  return FrameId::standard(0x400U + motor.value());
 }
 
 /// Of an angle on the wire.

@@ -48,7 +48,7 @@ struct SdoMessage {
 };
 
 /// `id` is sdo_request_id or sdo_answer_id of the device.
-Frame sdo_frame(std::uint32_t id, const SdoMessage& message);
+Frame sdo_frame(FrameId id, const SdoMessage& message);
 /// Reads what a client says in a frame of the right identifier. Nothing where it has not eight bytes or
 /// an unknown command. Bytes that the standard reserves are not looked at.
 std::optional<SdoMessage> read_sdo_request(const Frame& frame);
