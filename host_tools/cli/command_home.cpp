@@ -10,7 +10,7 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/motions/home.hpp"
-#include "host_tools/motions/slow_way.hpp"
+#include "host_tools/motions/transit.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 
 namespace inbetween {
@@ -27,7 +27,7 @@ void print_outside(const RigFile& rig, const std::vector<std::size_t>& axes,
     const RigAxis& axis = rig.axes[a];
     if (positions[a] >= axis.min && positions[a] <= axis.max) continue;
     fmt::print("  {} is outside its limits {}; {}\n", axis.name, range_in_words(axis),
-               way_back_inside(rig, a, positions[a], as_arguments));
+               remedy_outside(rig, a, positions[a], as_arguments));
   }
 }
 

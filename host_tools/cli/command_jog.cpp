@@ -57,9 +57,10 @@ int measure(const JogArguments& arguments) {
   if (!arguments.yes && !KeyTerminal::is_there()) {
     throw UsageError("nobody is at a terminal who could agree; add --yes");
   }
-  return measure_scale(
-      arguments.setup,
-      {.axis = arguments.axis, .way = *arguments.measure, .share = arguments.share, .yes = arguments.yes});
+  return measure_scale(arguments.setup, {.axis = arguments.axis,
+                                         .distance = *arguments.measure,
+                                         .share = arguments.share,
+                                         .yes = arguments.yes});
 }
 
 int jog_command(const JogArguments& arguments) {
@@ -121,7 +122,7 @@ int jog_command(const JogArguments& arguments) {
 
 constexpr const char* jog_explanation =
     R"(Left and right, or - and +, move the axis by one step; 1 to 5 choose how long it is, from fine to a hundredth of
-the way between its limits, and a count of its drive at least. Up and down choose the axis, any other key stops
+the range between its limits, and a count of its drive at least. Up and down choose the axis, any other key stops
 it; q, Esc and Ctrl-C leave, and so does a lost terminal. One step at a time: a press while an axis moves does
 nothing.
 
@@ -149,7 +150,7 @@ timing = "frames" can be replaced only, since a new one would need its frame; ke
 that count round (wrap), are edited in the file. An unreferenced axis has no position to store. Whether the move
 fits, check says.
 
-With --measure WAY nothing is moved by keys: put a mark where the axis stands, agree, measure how far it has
+With --measure DISTANCE nothing is moved by keys: put a mark where the axis stands, agree, measure how far it has
 gone, and write that in its unit. The command says what to write into the rig. A drive that takes and tells
 positions in one wrong scale cannot find that out by itself.
 
@@ -172,7 +173,7 @@ void describe(CLI::App& app, JogArguments& arguments) {
   app.add_option("AXIS", arguments.axis, "the axis to begin with")->required();
   add_setup_options(app, arguments.setup, false);
   app.add_option("--speed", arguments.share,
-                 "the share of their limits that axes use on the way; a stop may use all of them")
+                 "the share of their limits that axes use meanwhile; a stop may use all of them")
       ->check(between(0.001, 1.0))
       ->capture_default_str();
   app.add_option("--device", arguments.device,
@@ -190,9 +191,10 @@ void describe(CLI::App& app, JogArguments& arguments) {
                  "otherwise")
       ->delimiter(',')
       ->allow_extra_args(false);
-  app.add_option("--measure", arguments.measure,
-                 "a way, in the unit of the axis: it moves by it, once and slowly, then asks what you have\n"
-                 "measured, and says by what its scale is wrong");
+  app.add_option(
+      "--measure", arguments.measure,
+      "a distance, in the unit of the axis: it moves by it, once and slowly, then asks what you have\n"
+      "measured, and says by what its scale is wrong");
   app.add_flag("--yes", arguments.yes, "with --measure: agree that the axis moves");
   app.footer(jog_explanation);
 }

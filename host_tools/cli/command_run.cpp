@@ -41,7 +41,7 @@ struct RunArguments : SetupArguments, ShootArguments {
   bool yes = false;
   double top_rate = 1;
   double rate = 1;
-  double approach_share = slow_share;
+  double start_share = transit_share;
   std::optional<std::string> faults;
   std::optional<std::int32_t> turns;
 };
@@ -197,7 +197,7 @@ RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const R
   RunOptions options{.turns = planned.turns,
                      .top_rate = arguments.top_rate,
                      .rate = arguments.rate,
-                     .approach_share = arguments.approach_share,
+                     .start_share = arguments.start_share,
                      .has_takes = arguments.takes,
                      .take_record = arguments.takes ? arguments.record : std::nullopt,
                      .shoot = shoot_options(arguments),
@@ -325,7 +325,7 @@ void draw_pictures(const RunReport& report, const Plan& plan, const RunArguments
 }
 
 int run_command(const RunArguments& arguments) {
-  if (arguments.allow_jitter && arguments.approach_share > jitter_share) {
+  if (arguments.allow_jitter && arguments.start_share > jitter_share) {
     throw UsageError("with --allow-jitter --speed is 0.1 at most; lower it");
   }
   refuse_take_arguments(arguments);
@@ -401,7 +401,7 @@ a take, from the first number on that is free; --plot takes/%n.svg draws each of
 with a whole line. inbetween plot draws a record again.
 
 --frames 20..80 plays a part of the move as a move of its own: from rest it is led into frame 20 as the move
-passes it, and out of frame 80 to rest. It has its own check (inbetween check --frames 20..80), way to the
+passes it, and out of frame 80 to rest. It has its own check (inbetween check --frames 20..80), transit to the
 start, takes and Home; its positions are those of the whole move, and so are the numbers of its frames. Cues
 of other frames do not happen; the clapper claps on the first and the last that is played.
 
@@ -490,8 +490,8 @@ void describe(CLI::App& app, RunArguments& arguments) {
       ->check(between(0.01, 1.0))
       ->capture_default_str();
   app.add_option(
-         "--speed", arguments.approach_share,
-         "the share of their velocity, acceleration and jerk that the axes may use on the way to the\n"
+         "--speed", arguments.start_share,
+         "the share of their velocity, acceleration and jerk that the axes may use on the transit to the\n"
          "start")
       ->check(between(0.001, 1.0))
       ->capture_default_str();

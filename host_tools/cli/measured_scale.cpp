@@ -63,13 +63,13 @@ double read_answer(const RigAxis& axis) {
 
 }  // namespace
 
-std::string scale_in_words(const RigAxis& axis, double way, double measured) {
+std::string scale_in_words(const RigAxis& axis, double distance, double measured) {
   // Closer nobody measures with a rule.
   constexpr double close = 0.005;
-  const double factor = measured / way;
+  const double factor = measured / distance;
   if (std::fabs(factor - 1) <= close) {
     return fmt::format("{}: its scale is right within what was measured ({:.4g} of {:.4g} {})", named(axis),
-                       measured, way, to_string(axis.unit));
+                       measured, distance, to_string(axis.unit));
   }
   const Scale scale = scale_in_file(axis.drive);
   return fmt::format(
@@ -99,14 +99,14 @@ int measure_scale(const SetupArguments& setup, const MeasureArguments& arguments
       fmt::print(stderr, "{}\n", all);
       return true;
     };
-    end = go_by(rig, axis, arguments.way, reference, options);
+    end = go_by(rig, axis, arguments.distance, reference, options);
   }
   release_lost_terminal();
   fmt::print("{}: {}\n", rig.name, end.is_done ? "the axis has moved" : end.reason);
   if (!end.positions.empty()) print_positions(rig, reference, {axis}, end.positions);
   if (!end.is_done) return exit_fault;
   fmt::print(stderr, "How far has it gone, in {}? ", to_string(rig.axes[axis].unit));
-  fmt::print("{}\n", scale_in_words(rig.axes[axis], arguments.way, read_answer(rig.axes[axis])));
+  fmt::print("{}\n", scale_in_words(rig.axes[axis], arguments.distance, read_answer(rig.axes[axis])));
   return 0;
 }
 

@@ -109,32 +109,32 @@ class CureSearch {
     if (from.move.tracks[track].network) return std::nullopt;
     using Change = bool (CureSearch::*)(Tried&, std::size_t) const;
     using Self = CureSearch;
-    const std::vector<std::vector<Change>> ways{{&Self::join_near_keys},
-                                                {&Self::ease},
-                                                {&Self::hold},
-                                                {&Self::hold, &Self::ease},
-                                                {&Self::stop_overshoot},
-                                                {&Self::stop_overshoot, &Self::ease},
-                                                {&Self::stop_overshoot, &Self::hold},
-                                                {&Self::stop_overshoot, &Self::hold, &Self::ease},
-                                                {&Self::allow_overshoot},
-                                                {&Self::rest},
-                                                {&Self::allow_overshoot, &Self::rest},
-                                                {&Self::ease_corners},
-                                                {&Self::stop_overshoot, &Self::ease_corners},
-                                                {&Self::smooth},
-                                                {&Self::allow_overshoot, &Self::smooth},
-                                                {&Self::curve},
-                                                {&Self::curve, &Self::rest},
-                                                {&Self::pace},
-                                                {&Self::pace, &Self::ease},
-                                                {&Self::stop_overshoot, &Self::pace, &Self::ease}};
+    const std::vector<std::vector<Change>> attempts{{&Self::join_near_keys},
+                                                    {&Self::ease},
+                                                    {&Self::hold},
+                                                    {&Self::hold, &Self::ease},
+                                                    {&Self::stop_overshoot},
+                                                    {&Self::stop_overshoot, &Self::ease},
+                                                    {&Self::stop_overshoot, &Self::hold},
+                                                    {&Self::stop_overshoot, &Self::hold, &Self::ease},
+                                                    {&Self::allow_overshoot},
+                                                    {&Self::rest},
+                                                    {&Self::allow_overshoot, &Self::rest},
+                                                    {&Self::ease_corners},
+                                                    {&Self::stop_overshoot, &Self::ease_corners},
+                                                    {&Self::smooth},
+                                                    {&Self::allow_overshoot, &Self::smooth},
+                                                    {&Self::curve},
+                                                    {&Self::curve, &Self::rest},
+                                                    {&Self::pace},
+                                                    {&Self::pace, &Self::ease},
+                                                    {&Self::stop_overshoot, &Self::pace, &Self::ease}};
     std::optional<Tried> best;
     double best_rate = 0;
-    for (const std::vector<Change>& way : ways) {
+    for (const std::vector<Change>& attempt : attempts) {
       Tried tried = from;
       const bool is_changed =
-          std::ranges::all_of(way, [&](const Change change) { return (this->*change)(tried, track); });
+          std::ranges::all_of(attempt, [&](const Change change) { return (this->*change)(tried, track); });
       if (!is_changed) continue;
       const std::optional<Judged> found = judged(tried.move, check);
       if (!found) continue;

@@ -13,9 +13,10 @@
 namespace inbetween {
 namespace {
 
-constexpr int points_per_way = 256;
-/// A way has at least so many control values, for it rises from 0 and returns to 0 within them.
-constexpr std::size_t min_values_per_way = 16;
+constexpr int points_per_stretch = 256;
+/// A stretch from rest to rest has at least so many control values, for it rises from 0 and returns to 0
+/// within them.
+constexpr std::size_t min_values_per_stretch = 16;
 constexpr std::size_t max_start_values = 600;
 
 /// A place where the move rests or touches 0, or an end of it.
@@ -39,25 +40,25 @@ std::vector<RestingPlace> resting_places(const FittedTrack& fitted) {
   return places;
 }
 
-/// From rest to rest along the path, as if each axis went its whole way straight on.
+/// From rest to rest along the path, as if each axis went its whole distance straight on.
 double seconds_between(const FittedTrack& fitted, double begin, double end) {
   const Path& path = fitted.track().path();
   std::vector<double> before(fitted.axes().size());
-  std::vector<double> way(fitted.axes().size());
-  for (int i = 0; i <= points_per_way; ++i) {
+  std::vector<double> distances(fitted.axes().size());
+  for (int i = 0; i <= points_per_stretch; ++i) {
     const PathPoint point =
-        fitted.track().arc_length().locate({begin + (end - begin) * i / points_per_way, 0});
-    for (std::size_t d = 0; d < way.size(); ++d) {
+        fitted.track().arc_length().locate({begin + (end - begin) * i / points_per_stretch, 0});
+    for (std::size_t d = 0; d < distances.size(); ++d) {
       const double position = path.position(point, static_cast<std::int32_t>(d));
-      if (i > 0) way[d] += std::fabs(position - before[d]);
+      if (i > 0) distances[d] += std::fabs(position - before[d]);
       before[d] = position;
     }
   }
   double seconds = 0;
-  for (std::size_t d = 0; d < way.size(); ++d) {
+  for (std::size_t d = 0; d < distances.size(); ++d) {
     const RigAxis& limits = fitted.axes()[d];
-    seconds = std::max(seconds, 2 * seconds_from_rest(way[d] / 2, limits));
-    if (limits.max_jerk) seconds = std::max(seconds, 4 * std::cbrt(way[d] / (2 * *limits.max_jerk)));
+    seconds = std::max(seconds, 2 * seconds_from_rest(distances[d] / 2, limits));
+    if (limits.max_jerk) seconds = std::max(seconds, 4 * std::cbrt(distances[d] / (2 * *limits.max_jerk)));
   }
   return seconds;
 }
@@ -79,7 +80,7 @@ void share_out(const FittedTrack& fitted, std::span<RestingPlace> places) {
   }
 }
 
-/// The speed at u of a way whose mean speed is 1.
+/// The speed at u of a stretch whose mean speed is 1.
 double shape(double u, bool rises, bool falls) {
   const double left = 1 - u;
   if (rises && falls) return 30 * u * u * left * left;
@@ -95,7 +96,7 @@ std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
   if (std::ranges::none_of(places, &RestingPlace::is_free)) return std::nullopt;
   share_out(fitted, places);
   std::vector<double> values = fitted.solved().control_values();
-  while (values.size() < min_values_per_way * places.size() && 2 * values.size() <= max_start_values) {
+  while (values.size() < min_values_per_stretch * places.size() && 2 * values.size() <= max_start_values) {
     values = refined(values, fitted.ends());
   }
   const std::vector<bool> rests = rests_of(values, fitted.ends());

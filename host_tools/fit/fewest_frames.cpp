@@ -16,32 +16,32 @@ constexpr int stretches_per_segment = 64;
 constexpr double turn_rounding = 1e-9;
 /// The bound is lowered by this share for the rounding of its sums.
 constexpr double sum_rounding = 1e-9;
-/// A way is shortened by this share of its ends for their rounding.
+/// A distance is shortened by this share of its ends for their rounding.
 constexpr double position_rounding = 1e-15;
 /// A stretch is too short if more than this share of its frames is missing: a lock is met within 1e-12 of the
 /// length of the path.
 constexpr double lock_rounding = 1e-6;
 
-/// The way between two positions, never longer than the true one.
-double way_between(double begin, double end) {
+/// The distance between two positions, never longer than the true one.
+double min_distance_between(double begin, double end) {
   const double rounding = position_rounding * (std::fabs(begin) + std::fabs(end));
   return std::max(std::fabs(end - begin) - rounding, 0.0);
 }
 
 /// A part of the path, and whether the motion rests at its ends.
-struct Way {
+struct PathPart {
   PathPoint begin, end;
   bool begins_at_rest = false;
   bool ends_at_rest = false;
 };
 
-/// visit(segment, t where it begins, t where it ends) for every segment of a way.
+/// visit(segment, t where it begins, t where it ends) for every segment of a part.
 template <class Visit>
-void for_each_segment(const Path& path, const Way& way, const Visit& visit) {
-  const std::int32_t last = std::min(way.end.segment, path.segment_count() - 1);
-  for (std::int32_t i = way.begin.segment; i <= last; ++i) {
-    const double begin = i == way.begin.segment ? way.begin.t : 0;
-    const double end = i == way.end.segment ? way.end.t : 1;
+void for_each_segment(const Path& path, const PathPart& part, const Visit& visit) {
+  const std::int32_t last = std::min(part.end.segment, path.segment_count() - 1);
+  for (std::int32_t i = part.begin.segment; i <= last; ++i) {
+    const double begin = i == part.begin.segment ? part.begin.t : 0;
+    const double end = i == part.end.segment ? part.end.t : 1;
     if (begin < end) visit(i, begin, end);
   }
 }
@@ -52,12 +52,12 @@ struct AxisPlace {
   double position = 0;
 };
 
-/// The places where one axis turns round on its way, and the first and the last: its extremes at the ends.
-/// One place of an axis that stays where it is.
+/// The places where one axis turns round on its part of the path, and the first and the last: its extremes at
+/// the ends. One place of an axis that stays where it is.
 class TurningPoints {
  public:
-  TurningPoints(const Path& path, const Way& way, std::size_t axis) {
-    for_each_segment(path, way, [&](std::int32_t segment, double begin, double end) {
+  TurningPoints(const Path& path, const PathPart& part, std::size_t axis) {
+    for_each_segment(path, part, [&](std::int32_t segment, double begin, double end) {
       const Cubic& cubic = path.segment(segment)[axis];
       visit(segment, cubic, begin);
       visit_extremes(segment, cubic, begin, end);
@@ -110,21 +110,21 @@ class TurningPoints {
   std::vector<AxisPlace> places_;
 };
 
-/// The time that an axis takes on its way, alone and as quickly as its limits allow: it is at rest where it
-/// turns, and where the way begins or ends at rest.
+/// The time that an axis takes on its part, alone and as quickly as its limits allow: it is at rest where it
+/// turns, and where the part begins or ends at rest.
 class AxisTime {
  public:
-  AxisTime(const Path& path, const Way& way, std::size_t axis, const RigAxis& limits)
-      : turns_(path, way, axis), way_(way), limits_(limits) {}
+  AxisTime(const Path& path, const PathPart& part, std::size_t axis, const RigAxis& limits)
+      : turns_(path, part, axis), part_(part), limits_(limits) {}
 
   struct Seconds {
     double needed = 0;
     double by_velocity = 0;  ///< from max_velocity alone
   };
-  /// Stretches are passed in the order of the way. One in which the axis turns counts with its velocity
+  /// Stretches are passed in the order of the path. One in which the axis turns counts with its velocity
   /// alone.
   [[nodiscard]] Seconds pass(const AxisPlace& from, const AxisPlace& to) {
-    const double distance = way_between(from.position, to.position);
+    const double distance = min_distance_between(from.position, to.position);
     const double by_velocity = distance / limits_.max_velocity;
     Seconds seconds{by_velocity, by_velocity};
     const std::span<const AxisPlace> places = turns_.places();
@@ -143,25 +143,25 @@ class AxisTime {
  private:
   /// `distance`, of which `passed` lies behind since the last rest and `left` ahead to the next one.
   [[nodiscard]] double between_rests(double passed, double distance, double left) const {
-    const bool has_last = run_ > 0 || way_.begins_at_rest;
-    const bool has_next = run_ + 2 < turns_.places().size() || way_.ends_at_rest;
+    const bool has_last = run_ > 0 || part_.begins_at_rest;
+    const bool has_next = run_ + 2 < turns_.places().size() || part_.ends_at_rest;
     // The nearer of the rests limits the velocity.
     const double half = (left + distance - passed) / 2;
     const double rising = !has_last ? 0 : !has_next ? distance : std::clamp(half, 0.0, distance);
     const double falling = has_next ? distance - rising : 0;
-    const auto ramp = [&](double from, double way) {
-      return way > 0 ? seconds_from_rest(from + way, limits_) - seconds_from_rest(from, limits_) : 0.0;
+    const auto ramp = [&](double from, double more) {
+      return more > 0 ? seconds_from_rest(from + more, limits_) - seconds_from_rest(from, limits_) : 0.0;
     };
     return ramp(passed, rising) + ramp(left, falling);
   }
 
   TurningPoints turns_;
-  Way way_;
+  PathPart part_;
   RigAxis limits_;
   std::size_t run_ = 0;  ///< the last turn that was passed
 };
 
-/// The time that one track needs for its way or a part of it, in seconds.
+/// The time that one track needs for its path or a part of it, in seconds.
 class TrackTime {
  public:
   TrackTime(const Plan& plan, std::size_t index)
@@ -182,15 +182,15 @@ class TrackTime {
     std::size_t axis = 0;
     bool by_acceleration = false;
   };
-  [[nodiscard]] const Way& whole() const { return whole_; }
-  [[nodiscard]] Bound bound(const Way& way) const {
+  [[nodiscard]] const PathPart& whole() const { return whole_; }
+  [[nodiscard]] Bound bound(const PathPart& part) const {
     const Path& path = track_.path();
     std::vector<AxisTime> times;
-    for (std::size_t d = 0; d < axes_.size(); ++d) times.emplace_back(path, way, d, *axes_[d].limits);
+    for (std::size_t d = 0; d < axes_.size(); ++d) times.emplace_back(path, part, d, *axes_[d].limits);
     std::vector<double> share(axes_.size());
     double seconds = 0;
     double by_velocity = 0;
-    for_each_segment(path, way, [&](std::int32_t segment, double from, double to) {
+    for_each_segment(path, part, [&](std::int32_t segment, double from, double to) {
       for (int k = 0; k < stretches_per_segment; ++k) {
         const double begin = from + (to - from) * k / stretches_per_segment;
         const double end = from + (to - from) * (k + 1) / stretches_per_segment;
@@ -221,7 +221,7 @@ class TrackTime {
 
   const Track& track_;
   std::vector<Axis> axes_;
-  Way whole_;
+  PathPart whole_;
 };
 
 }  // namespace
@@ -248,7 +248,7 @@ FewestFrames fewest_frames(const Plan& plan) {
 }
 
 std::vector<Meeting> meetings_of(const Plan& plan, std::size_t track) {
-  const Way whole = TrackTime(plan, track).whole();
+  const PathPart whole = TrackTime(plan, track).whole();
   const MoveTrack& file = plan.move().tracks[track];
   const std::int32_t frames = plan.move().frames;
   std::vector<Meeting> meetings;

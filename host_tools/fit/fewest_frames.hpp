@@ -22,8 +22,8 @@ struct FewestFrames {
 /// is proven, but it is not sharp: it uses max_velocity and max_acceleration only.
 ///
 /// Each axis takes its time for a stretch of the path, and the slowest axis counts. Its velocity is
-/// max_velocity at most, and no more than max_acceleration gives it on the way from where it was at rest
-/// last, and takes from it on the way to where it is at rest next: v^2 <= 2 a w. An axis is at rest where it
+/// max_velocity at most, and no more than max_acceleration gives it on the path from where it was at rest
+/// last, and takes from it on the path to where it is at rest next: v^2 <= 2 a w. An axis is at rest where it
 /// turns round, because a step of the velocity is not allowed. Every axis is at an end of the move where the
 /// drawn curve rests; an end that is passed at a speed may be reached by a roll. Holds add nothing. All sums
 /// are rounded down.
@@ -42,8 +42,8 @@ struct Meeting {
 /// The keys of a track that have a frame, and its ends. The track has locked keys.
 std::vector<Meeting> meetings_of(const Plan& plan, std::size_t track);
 
-/// The way between two neighbouring keys with a frame, or such a key and an end of the move, that needs more
-/// frames than there are.
+/// The stretch between two neighbouring keys with a frame, or such a key and an end of the move, that needs
+/// more frames than there are.
 struct ShortStretch {
   std::int32_t begin_key = 0;
   std::int32_t end_key = 0;

@@ -77,10 +77,10 @@ double KeyFit::square_at(std::size_t point, double s) const {
   const PathPoint place = point_of(*path_, s);
   double square = 0;
   for (const std::size_t a : counted_) {
-    const double way = (path_->position(place, static_cast<std::int32_t>(a)) -
-                        points_->positions[point * points_->axes + a]) *
-                       points_->scales[a];
-    square += way * way;
+    const double offset = (path_->position(place, static_cast<std::int32_t>(a)) -
+                           points_->positions[point * points_->axes + a]) *
+                          points_->scales[a];
+    square += offset * offset;
   }
   return square;
 }
@@ -272,10 +272,10 @@ double KeyFit::excursion() const {
       double square = 0;
       for (const std::size_t a : counted_) {
         const double from = points_->positions[i * points_->axes + a];
-        const double way = (points_->positions[(i + 1) * points_->axes + a] - from) * points_->scales[a];
+        const double offset = (points_->positions[(i + 1) * points_->axes + a] - from) * points_->scales[a];
         const double out = (path_->position(place, static_cast<std::int32_t>(a)) - from) * points_->scales[a];
-        chord += way * way;
-        along += way * out;
+        chord += offset * offset;
+        along += offset * out;
         square += out * out;
       }
       const double share = chord > 0 ? std::clamp(along / chord, 0.0, 1.0) : 0;

@@ -33,14 +33,14 @@ constexpr int halvings = 60;
 struct Stretch {
   Range distance;  ///< what it travels, as exactly as it is known
   double seconds = 0;
-  Range velocity;  ///< on the whole way
+  Range velocity;  ///< on the whole stretch
   double acceleration = 0;
 
   [[nodiscard]] Stretch turned_round() const {
     return {{-distance.high, -distance.low}, seconds, {-velocity.high, -velocity.low}, acceleration};
   }
-  /// The farthest way with these velocities at its ends: full acceleration, the highest velocity if it is
-  /// reached, full deceleration.
+  /// The farthest distance with these velocities at its ends: full acceleration, the highest velocity if it
+  /// is reached, full deceleration.
   [[nodiscard]] double farthest(double begin, double end) const {
     const double peak = std::min((begin + end + acceleration * seconds) / 2, velocity.high);
     const double ramps = (2 * peak - begin - end) / acceleration;
@@ -49,14 +49,14 @@ struct Stretch {
   }
 };
 
-/// The lowest velocity at the end of a way, whose velocity at the beginning is in `before`: below it the axis
-/// does not come far enough. Above the highest possible one where it never does.
-double lowest_after(const Range& before, const Stretch& way) {
-  const double change = way.acceleration * way.seconds;
-  double low = std::max(before.low - change, way.velocity.low);
-  double high = std::min(before.high + change, way.velocity.high);
+/// The lowest velocity at the end of a stretch, whose velocity at the beginning is in `before`: below it the
+/// axis does not come far enough. Above the highest possible one where it never does.
+double lowest_after(const Range& before, const Stretch& stretch) {
+  const double change = stretch.acceleration * stretch.seconds;
+  double low = std::max(before.low - change, stretch.velocity.low);
+  double high = std::min(before.high + change, stretch.velocity.high);
   const auto comes_far_enough = [&](double end) {
-    return way.farthest(std::min(before.high, end + change), end) >= way.distance.low;
+    return stretch.farthest(std::min(before.high, end + change), end) >= stretch.distance.low;
   };
   if (!comes_far_enough(high)) return std::numeric_limits<double>::infinity();
   for (int i = 0; i < halvings && !comes_far_enough(low); ++i) {
@@ -66,13 +66,13 @@ double lowest_after(const Range& before, const Stretch& way) {
   return low;
 }
 
-/// The velocities of an axis at the end of a way. None are left, low above high, where it cannot be there in
-/// this time. That each is possible with some velocity at the beginning follows from both bounds rising with
-/// it.
-Range velocities_after(const Range& before, const Stretch& way) {
-  const double low = std::clamp(before.low, way.velocity.low, way.velocity.high);
-  const double high = std::clamp(before.high, way.velocity.low, way.velocity.high);
-  return {lowest_after({low, high}, way), -lowest_after({-high, -low}, way.turned_round())};
+/// The velocities of an axis at the end of a stretch. None are left, low above high, where it cannot be there
+/// in this time. That each is possible with some velocity at the beginning follows from both bounds rising
+/// with it.
+Range velocities_after(const Range& before, const Stretch& stretch) {
+  const double low = std::clamp(before.low, stretch.velocity.low, stretch.velocity.high);
+  const double high = std::clamp(before.high, stretch.velocity.low, stretch.velocity.high);
+  return {lowest_after({low, high}, stretch), -lowest_after({-high, -low}, stretch.turned_round())};
 }
 
 /// A place that has to be met: where every axis is, and how it goes on.

@@ -22,7 +22,7 @@ struct UnreachedLock {
 /// each axis is known at both ends, and from an interval of velocities at the first, max_acceleration leaves
 /// an interval at the second. All axes have one speed along the path, which cannot be below 0. Where the
 /// intervals have no speed in common, no speed curve meets the locks, however many control values it has:
-/// proven, but not sharp, because the way between two locks is looked at axis by axis. The fewest
+/// proven, but not sharp, because the stretch between two locks is looked at axis by axis. The fewest
 /// neighbouring locks that prove it are told. Nothing where a speed is left everywhere, which proves nothing.
 /// The plan has a rig. O(locks * axes), and that times the locks told of.
 std::optional<UnreachedLock> unreached_lock(const Plan& plan, std::size_t track);

@@ -275,7 +275,7 @@ Keys fitted_keys(const SmoothMotion& motion, const Recording& recording, std::sp
   return best.at.empty() ? through_points() : best;
 }
 
-/// The way along the path to each of its places, and behind them to its end.
+/// The distance along the path to each of its places, and behind them to its end.
 std::vector<double> distances_of(const KeyFit& fit) {
   const auto segments = static_cast<std::size_t>(fit.path().segment_count());
   std::vector<ArcPiece> pieces(400 * segments);

@@ -371,7 +371,7 @@ std::string hopeless(const FittedTrack& fitted) {
 /// Why no speed curve can fit.
 std::string in_words(const ShortStretch& stretch, const FittedTrack& fitted) {
   return fmt::format(
-      "between key {} on frame {} and key {} on frame {} the way takes at least {} frames, whatever the "
+      "between key {} on frame {} and key {} on frame {} the path takes at least {} frames, whatever the "
       "speed curve, because of {} of axis {}; give these keys frames further apart, or the move more frames",
       stretch.begin_key, stretch.begin_frame, stretch.end_key, stretch.end_frame,
       told_apart(stretch.needed, stretch.end_frame - stretch.begin_frame, Digits::decimals, 1).first,
@@ -442,7 +442,7 @@ SpeedFit fit_speed(const Plan& plan, const CheckReport& report, const FitOptions
     if (std::string reason = hopeless(fitted); !reason.empty()) return give_up(std::move(reason));
     if (const FewestFrames fewest = fewest_frames(fitted.played()); fewest.frames > fitted.frames()) {
       return give_up(
-          fmt::format("the way takes at least {}, whatever the speed curve, because of {} of axis {}; "
+          fmt::format("the path takes at least {}, whatever the speed curve, because of {} of axis {}; "
                       "give the move more frames",
                       counted(fewest.frames, "frame"), limits_in_words(fewest.by_acceleration),
                       in_quotes(plan.rig()->axes[fewest.axis].name)));

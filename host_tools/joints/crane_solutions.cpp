@@ -151,9 +151,9 @@ bool CraneSolutions::is_for(const TipTarget& target) const {
 }
 
 std::optional<CraneSolutions::Look> CraneSolutions::look_of(const TipTarget& target) const {
-  const Vector3 way = *target.aim - target.position.value_or(centre_);
-  if (length(way) == 0) return std::nullopt;
-  Look look{.centre = centre_, .sight = way * (1 / length(way)), .turn = {}};
+  const Vector3 to_aim = *target.aim - target.position.value_or(centre_);
+  if (length(to_aim) == 0) return std::nullopt;
+  Look look{.centre = centre_, .sight = to_aim * (1 / length(to_aim)), .turn = {}};
   if (!has_roll_) {
     if (target.position) look.centre = *target.position - look.sight * mount_.x;
     return look;

@@ -162,9 +162,9 @@ TipDeviation tip_deviation(const Kinematics& kinematics, std::int32_t link, cons
   if (!stretch.position.empty()) {
     const Jet drawn = jet_of(stretch.position);
     for (const double t : chebyshev_4) {
-      result.way = std::max(result.way, length(along.pose(t).position - Stretch::value(stretch.position, t)));
+      result.off = std::max(result.off, length(along.pose(t).position - Stretch::value(stretch.position, t)));
     }
-    result.way = lebesgue_4 * result.way + remainder_4 * jets.position[4];
+    result.off = lebesgue_4 * result.off + remainder_4 * jets.position[4];
     result.slowest = std::numeric_limits<double>::infinity();
     for (const double t : chebyshev_3) {
       static_cast<void>(along.pose(t));
@@ -182,9 +182,9 @@ TipDeviation tip_deviation(const Kinematics& kinematics, std::int32_t link, cons
   double nearest = std::numeric_limits<double>::infinity();
   for (const double t : chebyshev_4) {
     const Pose& pose = along.pose(t);
-    const Vector3 way = Stretch::value(stretch.aim, t) - pose.position;
-    nearest = std::min(nearest, length(way));
-    result.aim = std::max(result.aim, length(cross(way, pose.rotation.x)));
+    const Vector3 to_aim = Stretch::value(stretch.aim, t) - pose.position;
+    nearest = std::min(nearest, length(to_aim));
+    result.aim = std::max(result.aim, length(cross(to_aim, pose.rotation.x)));
   }
   constexpr double gap_4 = 0.2;
   nearest -= gap_4 * sight[1];

@@ -30,7 +30,7 @@ struct TipStretch {
 
 /// Upper bounds on the stretch, up to the rounding of double.
 struct TipDeviation {
-  double way = 0;      // m
+  double off = 0;      // m
   double speed = 0;    // of the derivatives by t, m
   double slowest = 0;  // a lower bound of the drawn |dP/dt|, m
   double fastest = 0;  // an upper bound of it

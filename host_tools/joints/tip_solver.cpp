@@ -165,9 +165,9 @@ TipSolver::Rows TipSolver::rows(const TipTarget& target, const std::vector<doubl
   }
   const Rotation3& turned = tip.rotation;
   if (target.aim) {
-    const Vector3 way = *target.aim - tip.position;
-    const double distance = std::max(length(way), std::numeric_limits<double>::min());
-    const Vector3 sight = way * (1 / distance);
+    const Vector3 to_aim = *target.aim - tip.position;
+    const double distance = std::max(length(to_aim), std::numeric_limits<double>::min());
+    const Vector3 sight = to_aim * (1 / distance);
     for (const Vector3& side : {turned.y, turned.z}) {
       add(dot(side, sight), [&](const auto& column) {
         return dot(cross(column.angular, side), sight) - dot(side, across(column.linear, sight)) / distance;
@@ -217,10 +217,10 @@ void TipSolver::descend(const TipTarget& target, std::vector<double>& positions)
   for (int i = 0; i < max_iterations && here.size() > 0; ++i) {
     std::vector<double> wanted;
     for (const double miss : here.miss) wanted.push_back(-miss);
-    const std::vector<double> way = step(here, wanted, weight * here.size() * here.size());
-    const double shortened = std::min(1.0, max_step / std::max(largest_of(way), max_step));
+    const std::vector<double> change = step(here, wanted, weight * here.size() * here.size());
+    const double shortened = std::min(1.0, max_step / std::max(largest_of(change), max_step));
     std::vector<double> next = positions;
-    for (std::size_t k = 0; k < next.size(); ++k) next[k] += shortened * way[k] / scales_[k];
+    for (std::size_t k = 0; k < next.size(); ++k) next[k] += shortened * change[k] / scales_[k];
     Rows there = rows(target, next);
     if (there.size() < here.size()) {
       positions = std::move(next);
@@ -229,7 +229,7 @@ void TipSolver::descend(const TipTarget& target, std::vector<double>& positions)
       continue;
     }
     // As near as rounding lets it come, or nowhere to go.
-    if (largest_of(way) < 1e-13 || weight > 1e12) return;
+    if (largest_of(change) < 1e-13 || weight > 1e12) return;
     weight *= 10;
   }
 }
@@ -239,11 +239,11 @@ void TipSolver::stay_near(const TipTarget& target, std::vector<double>& position
     std::vector<double> home;
     for (std::size_t k = 0; k < axes_.size(); ++k)
       home.push_back((axes_[k].near - positions[k]) * scales_[k]);
-    const std::vector<double> way = idle_part(rows(target, positions), home);
-    const double shortened = 0.8 * std::min(1.0, max_step / std::max(largest_of(way), max_step));
-    for (std::size_t k = 0; k < axes_.size(); ++k) positions[k] += shortened * way[k] / scales_[k];
+    const std::vector<double> change = idle_part(rows(target, positions), home);
+    const double shortened = 0.8 * std::min(1.0, max_step / std::max(largest_of(change), max_step));
+    for (std::size_t k = 0; k < axes_.size(); ++k) positions[k] += shortened * change[k] / scales_[k];
     descend(target, positions);
-    if (largest_of(way) < 1e-12) return;
+    if (largest_of(change) < 1e-12) return;
   }
 }
 
@@ -300,9 +300,9 @@ std::vector<double> TipSolver::wanted(const TipTarget& target, const TipTargetRa
     result = {v.x / reach_, v.y / reach_, v.z / reach_};
   }
   if (target.aim) {
-    const Vector3 way = *target.aim - tip.position;
-    const double distance = std::max(length(way), std::numeric_limits<double>::min());
-    const Vector3 moved = across(rate.aim.value_or(Vector3{}), way * (1 / distance));
+    const Vector3 to_aim = *target.aim - tip.position;
+    const double distance = std::max(length(to_aim), std::numeric_limits<double>::min());
+    const Vector3 moved = across(rate.aim.value_or(Vector3{}), to_aim * (1 / distance));
     for (const Vector3& side : {tip.rotation.y, tip.rotation.z}) {
       result.push_back(-dot(side, moved) / distance);
     }

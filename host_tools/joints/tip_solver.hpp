@@ -64,7 +64,7 @@ class TipSolver {
 
   [[nodiscard]] const std::vector<TipAxis>& axes() const { return axes_; }
   [[nodiscard]] Pose pose(const std::vector<double>& positions) const;
-  /// The longest way from the root to the link, from joint to joint (m).
+  /// The longest distance from the root to the link, from joint to joint (m).
   [[nodiscard]] double reach() const { return reach_; }
 
  private:

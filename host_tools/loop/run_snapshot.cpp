@@ -60,7 +60,7 @@ std::string words_of(const TurnSnapshot& turn) {
 std::string state_of_jog(const JogSnapshot& jog) {
   const std::string limits =
       jog.is_referenced ? fmt::format("in {:g}..{:g}", jog.min, jog.max) : std::string("UNREFERENCED");
-  const std::string stop = jog.stop_way > 0 ? fmt::format("  stops in {:.3g}", jog.stop_way) : "";
+  const std::string stop = jog.stop_distance > 0 ? fmt::format("  stops in {:.3g}", jog.stop_distance) : "";
   const std::string reach = jog.reach > 0 ? fmt::format("reach {:g}  ", jog.reach) : "";
   return fmt::format("{} {:.3f} {} {}  {}step {}: {:g}{}{}", jog.axis, jog.position, jog.unit, limits, reach,
                      jog.size, jog.increment, jog.is_count ? " (a count)" : "", stop);

@@ -31,14 +31,14 @@ struct JogSnapshot {
   const char* unit = "";
   double position = 0;
   double velocity = 0;
-  double stop_way = 0;      ///< how much further a stop goes
-  double min = 0, max = 0;  ///< soft limits; none where it is not referenced
-  int size = 0;             ///< of a step, 1 to 5
-  double increment = 0;     ///< of that size
-  bool is_count = false;    ///< a count of its drive
-  double reach = 0;         ///< of a key that is held
-  bool by_device = false;   ///< of a device, and not of the terminal
-  bool is_alone = false;    ///< there is no other axis to choose
+  double stop_distance = 0;  ///< how much further a stop goes
+  double min = 0, max = 0;   ///< soft limits; none where it is not referenced
+  int size = 0;              ///< of a step, 1 to 5
+  double increment = 0;      ///< of that size
+  bool is_count = false;     ///< a count of its drive
+  double reach = 0;          ///< of a key that is held
+  bool by_device = false;    ///< of a device, and not of the terminal
+  bool is_alone = false;     ///< there is no other axis to choose
   bool is_referenced = true;
 };
 

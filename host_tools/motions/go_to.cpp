@@ -37,7 +37,7 @@ namespace {
 /// Nobody knows what lies beyond the limits of an axis.
 void refuse_to_hurry(const RigFile& rig, const std::vector<GoTarget>& targets,
                      const std::vector<double>& positions, double share) {
-  if (share <= slow_share) return;
+  if (share <= transit_share) return;
   for (const GoTarget& target : targets) {
     const RigAxis& axis = rig.axes[target.axis];
     const double stands = positions[target.axis];
@@ -46,7 +46,7 @@ void refuse_to_hurry(const RigFile& rig, const std::vector<GoTarget>& targets,
         axis.place,
         fmt::format("{} stands at {:.10g} {}, outside its limits {}, and comes in at --speed {:g} at "
                     "most; leave out --speed",
-                    named(axis), stands, to_string(axis.unit), range_in_words(axis), slow_share));
+                    named(axis), stands, to_string(axis.unit), range_in_words(axis), transit_share));
   }
 }
 
@@ -54,16 +54,16 @@ void refuse_to_hurry(const RigFile& rig, const std::vector<GoTarget>& targets,
 SetupEnd move(RigSession& session, const std::vector<GoTarget>& away, RigReference& reference, double share,
               const GoOptions& options) {
   SetupEnd end{.positions = session.positions()};
-  SlowWay way(session.rig(), away, end.positions, share);
-  if (!options.session.audience.confirm(way.describe("these axes move together:"))) {
+  Transit transit(session.rig(), away, end.positions, share);
+  if (!options.session.audience.confirm(transit.describe("these axes move together:"))) {
     end.reason = "nobody agreed, and nothing has moved";
     return end;
   }
   refuse_changed_rig(session.rig().path, options.session.audience.rig_has_changed);
-  reference.about_to_move(way.axes());
-  ManualMotion play(session.loop(), way.loop_spec(), "going there", way.ticks());
+  reference.about_to_move(transit.axes());
+  ManualMotion play(session.loop(), transit.loop_spec(), "going there", transit.ticks());
   const DisarmAtEnd disarm(session);
-  const ActEnd played = session.perform(play, way.ticks());
+  const ActEnd played = session.perform(play, transit.ticks());
   end.is_done = played.begun && play.is_done();
   if (end.is_done) {
     end.reason = "the axes are there";
@@ -92,18 +92,18 @@ SetupEnd go(RigSession& session, const std::vector<GoTarget>& targets, RigRefere
   return move(session, away, reference, options.share, options);
 }
 
-SetupEnd move_by(RigSession& session, std::size_t axis, double way, RigReference& reference,
+SetupEnd move_by(RigSession& session, std::size_t axis, double distance, RigReference& reference,
                  const GoOptions& options) {
   if (!session.arm()) return not_switched_on(session);
   const RigAxis& of = session.rig().axes[axis];
   const double from = session.positions()[axis];
-  const double to = from + way;
+  const double to = from + distance;
   const bool is_referenced = reference.is_referenced(axis);
   if (is_referenced && (to < of.min || to > of.max)) {
     throw LimitError(of.place,
                      fmt::format("{} stands at {:.10g} {} and would go to {:.10g}, outside its limits "
-                                 "{}; write another way, such as {:g}",
-                                 named(of), from, to_string(of.unit), to, range_in_words(of), -way));
+                                 "{}; write another distance, such as {:g}",
+                                 named(of), from, to_string(of.unit), to, range_in_words(of), -distance));
   }
   return move(session, {{.axis = axis, .position = to}}, reference,
               options.share * (is_referenced ? 1 : unreferenced_jog_share), options);
@@ -121,15 +121,15 @@ SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigRefe
   return end_of(session, [&] { return go(session, targets, reference, options); });
 }
 
-SetupEnd go_by(const RigFile& rig, std::size_t axis, double way, RigReference& reference,
+SetupEnd go_by(const RigFile& rig, std::size_t axis, double distance, RigReference& reference,
                const GoOptions& options) {
   if (!reference.is_referenced(axis)) {
     return use_alone(rig, axis, reference, options.session, [&](RigSession& session, RigReference& unknown) {
-      return move_by(session, 0, way, unknown, options);
+      return move_by(session, 0, distance, unknown, options);
     });
   }
   RigSession session(rig, reference, options.session);
-  return end_of(session, [&] { return move_by(session, axis, way, reference, options); });
+  return end_of(session, [&] { return move_by(session, axis, distance, reference, options); });
 }
 
 }  // namespace inbetween

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "host_tools/loop/rig_session.hpp"
-#include "host_tools/motions/slow_way.hpp"
+#include "host_tools/motions/transit.hpp"
 
 namespace inbetween {
 
@@ -17,11 +17,11 @@ std::vector<GoTarget> go_targets(const RigFile& rig, const std::map<std::string,
 
 struct GoOptions {
   /// The axes may use this share of their limits of velocity, acceleration and jerk: above 0, up to 1.
-  double share = slow_share;
+  double share = transit_share;
   SessionOptions session = {};
 };
 
-/// Switches the rig on, asks the audience, goes there from wherever the axes stand (SlowWay), and switches it
+/// Switches the rig on, asks the audience, goes there from wherever the axes stand (Transit), and switches it
 /// off. Axes that are there already do not move.
 ///
 /// Throws InputError where a target is unreferenced (nothing has been opened then) or the rig file has
@@ -29,10 +29,10 @@ struct GoOptions {
 SetupEnd go_to(const RigFile& rig, const std::vector<GoTarget>& targets, RigReference& reference,
                const GoOptions& options);
 
-/// The same for one axis, by `way` from where it stands. One that does not know where it is has no limits,
-/// gets a tenth of the share, and moves alone: nothing is sent to other drives (lone_axis.hpp). Throws
-/// LimitError where another would leave its limits.
-SetupEnd go_by(const RigFile& rig, std::size_t axis, double way, RigReference& reference,
+/// The same for one axis, by `distance` from where it stands. One that does not know where it is has no
+/// limits, gets a tenth of the share, and moves alone: nothing is sent to other drives (lone_axis.hpp).
+/// Throws LimitError where another would leave its limits.
+SetupEnd go_by(const RigFile& rig, std::size_t axis, double distance, RigReference& reference,
                const GoOptions& options);
 
 }  // namespace inbetween

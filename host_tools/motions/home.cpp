@@ -75,7 +75,7 @@ SetupEnd home_armed(RigSession& session, const std::vector<std::size_t>& axes, R
 }
 
 /// What to do instead, as a command that takes such an axis.
-std::string way_without_home(const RigFile& rig, const RigAxis& axis) {
+std::string remedy_without_home(const RigFile& rig, const RigAxis& axis) {
   if (axis.reference == Reference::by_drive) {
     return fmt::format("its drive says where it is, and inbetween goto --rig {} {}={:g} brings it there",
                        rig.path, axis.name, std::clamp(0.0, axis.min, axis.max));
@@ -139,7 +139,7 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
     const std::size_t a = axis_named(rig, name);
     if (!has_home(rig.axes[a])) {
       throw InputError(rig.axes[a].place, fmt::format("axis {} has no home switch; {}", in_quotes(name),
-                                                      way_without_home(rig, rig.axes[a])));
+                                                      remedy_without_home(rig, rig.axes[a])));
     }
     wanted[a] = true;
   }
@@ -148,9 +148,9 @@ std::vector<std::size_t> home_axes(const RigFile& rig, const std::vector<std::st
     if (wanted[a] && has_home(rig.axes[a])) axes.push_back(a);
   }
   if (axes.empty()) {
-    throw InputError({rig.path, 0, 0},
-                     fmt::format("no axis of the rig has a home switch; for axis {}, {}",
-                                 in_quotes(rig.axes.front().name), way_without_home(rig, rig.axes.front())));
+    throw InputError({rig.path, 0, 0}, fmt::format("no axis of the rig has a home switch; for axis {}, {}",
+                                                   in_quotes(rig.axes.front().name),
+                                                   remedy_without_home(rig, rig.axes.front())));
   }
   return axes;
 }

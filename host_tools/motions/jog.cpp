@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "host_tools/motions/lone_axis.hpp"
-#include "host_tools/motions/slow_way.hpp"
+#include "host_tools/motions/transit.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"
 #include "host_tools/rig_model/rig_motors.hpp"
@@ -37,7 +37,7 @@ FreeAxisLimits jog_limits(const RigAxis& axis, double share, bool is_referenced,
   FreeAxisLimits limits = free_limits_of(axis, share);
   if (!is_referenced) limits.velocity *= unreferenced_jog_share;
   const bool is_outside = position < axis.min || position > axis.max;
-  if (is_outside) limits.velocity = std::min(limits.velocity, free_limits_of(axis, slow_share).velocity);
+  if (is_outside) limits.velocity = std::min(limits.velocity, free_limits_of(axis, transit_share).velocity);
   limits.stop_share = 1 / share;
   return limits;
 }
@@ -46,7 +46,7 @@ FreeAxisLimits jog_limits(const RigAxis& axis, double share, bool is_referenced,
 
 JogIncrements jog_increments(const RigAxis& axis) {
   constexpr double rounding = 1 + 1e-9;
-  const double most = jog_way_share * (axis.max - axis.min) * rounding;
+  const double most = jog_step_share * (axis.max - axis.min) * rounding;
   int largest = 3 * static_cast<int>(std::floor(std::log10(most))) + 3;
   while (of_series(largest) > most) --largest;
   JogIncrements increments;
@@ -59,8 +59,9 @@ JogIncrements jog_increments(const RigAxis& axis) {
 
 double JogAxis::increment(std::size_t size, double position, int direction) const {
   if (calibration == nullptr) return std::max(increments[size], count);
-  const double motor_way = calibration->slope_at(position).first > 0 ? direction * count : -direction * count;
-  const double a_count_on = calibration->axis_at(calibration->motor_at(position) + motor_way);
+  const double motor_step =
+      calibration->slope_at(position).first > 0 ? direction * count : -direction * count;
+  const double a_count_on = calibration->axis_at(calibration->motor_at(position) + motor_step);
   return std::max(increments[size], std::fabs(a_count_on - position));
 }
 
@@ -306,7 +307,7 @@ RunSnapshot Jog::snapshot() const {
                              .unit = axis.unit,
                              .position = free.position(),
                              .velocity = free.state().velocity,
-                             .stop_way = std::fabs(free.stop_distance()),
+                             .stop_distance = std::fabs(free.stop_distance()),
                              .min = axis.min,
                              .max = axis.max,
                              .size = static_cast<int>(size_) + 1,

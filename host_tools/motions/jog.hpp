@@ -22,15 +22,16 @@ namespace inbetween {
 
 /// A press moves nothing if the disk kept it waiting for longer (docs/faults.md 41).
 inline constexpr double jog_press_waits_s = 0.5;
-/// A held key of a device that is not told to be held for so long is let go: with the way to the loop 200 ms
-/// at most. Of a terminal: KeyHold.
+/// A held key of a device that is not told to be held for so long is let go: with the delay to the loop 200
+/// ms at most. Of a terminal: KeyHold.
 inline constexpr double jog_silence_s = 0.15;
 /// No key that is held moves an axis further than this part of its range, unless somebody says otherwise.
 inline constexpr double jog_reach_share = 0.1;
 /// An axis that does not know where it is gets this part of the velocity that another axis gets.
 inline constexpr double unreferenced_jog_share = 0.1;
-/// No step is longer than this part of the way between the limits of its axis, or than a count of its drive.
-inline constexpr double jog_way_share = 0.01;
+/// No step is longer than this part of the range between the limits of its axis, or than a count of its
+/// drive.
+inline constexpr double jog_step_share = 0.01;
 
 /// The keys of a Jog beside those that it always has.
 struct JogKeys {
@@ -40,7 +41,7 @@ struct JogKeys {
 
 using JogIncrements = std::array<double, 5>;
 /// The sizes of a step of the axis, the smallest first: every second number of the series 1, 2, 5, 10 up to
-/// jog_way_share of its range, and a count of its drive (count_of) in place of those that are less.
+/// jog_step_share of its range, and a count of its drive (count_of) in place of those that are less.
 JogIncrements jog_increments(const RigAxis& axis);
 
 /// An axis in a Jog. Names live longer than it.

@@ -29,8 +29,8 @@ concept HomeLines = requires(const Lines& lines, std::size_t axis) {
 };
 
 /// The spec of AxisHoming from the `home` of the rig. An axis that stands on its switch leaves it by at most
-/// the way that it runs over it and four times the way to back off: a stuck switch does not send it through
-/// the rig.
+/// the distance that it runs over it and four times the distance to back off: a stuck switch does not send it
+/// through the rig.
 HomingSpec homing_spec_of(const RigAxis& axis, const SwitchSettings& home);
 
 /// The homing of an axis with a `home`. Throws InputError at the place of a homing that is not possible.

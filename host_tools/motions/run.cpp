@@ -123,14 +123,14 @@ class Run {
     const std::vector<GoTarget> away = away_from_start(
         staged_.plan(), session_.positions(), staged_.playhead().time(), session_.options().as_arguments);
     if (away.empty()) return true;
-    refuse_unagreed_way(staged_.plan(), away.front().axis, static_cast<bool>(audience_.confirm));
-    SlowWay& way = way_.emplace(session_.rig(), away, session_.positions(), options_.approach_share);
-    if (!audience_.confirm(way.describe("the rig is not where the move starts:"))) {
+    refuse_unagreed_transit(staged_.plan(), away.front().axis, static_cast<bool>(audience_.confirm));
+    Transit& transit = transit_.emplace(session_.rig(), away, session_.positions(), options_.start_share);
+    if (!audience_.confirm(transit.describe("the rig is not where the move starts:"))) {
       end_by(Ending::stopped, "nobody agreed that the rig goes to the start of the move");
       return false;
     }
-    ManualMotion motion(session_.loop(), way.loop_spec(), "going to the start", way.ticks());
-    return perform(motion, way.axes());
+    ManualMotion motion(session_.loop(), transit.loop_spec(), "going to the start", transit.ticks());
+    return perform(motion, transit.axes());
   }
 
   void perform_move() {
@@ -278,7 +278,7 @@ class Run {
   StagedMove& staged_;
   RigReference& reference_;
   const RunOptions& options_;
-  std::optional<SlowWay> way_;
+  std::optional<Transit> transit_;
   std::unique_ptr<RunRecord> take_record_;  // the loop's thread writes to it, which ends before
   RigSession session_;
   std::unique_ptr<CueOutputs> cues_;

@@ -7,7 +7,7 @@
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/run_report.hpp"
 #include "host_tools/motions/shooting.hpp"
-#include "host_tools/motions/slow_way.hpp"
+#include "host_tools/motions/transit.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -23,7 +23,7 @@ struct RunOptions {
   /// At how many times the drawn speed it begins; no more than the top rate.
   double rate = 1;
   /// The share of their limits that the axes may use on the way to the start: above 0, up to 1.
-  double approach_share = slow_share;
+  double start_share = transit_share;
   /// Take after take, until somebody leaves: each begins when they ask for it. Not for a move that is shot.
   bool has_takes = false;
   /// The record of a take: %n is its number, and the first is the lowest without a file.
@@ -44,7 +44,7 @@ struct RunOptions {
 ///
 /// Before anything is opened the plan is checked (check.hpp), and every setpoint of the move is held against
 /// the rig's position limits. Where the rig does not stand at the start of the move it goes there first
-/// (slow_way.hpp), if the audience confirms it; simulated axes stand there unless something else is said or
+/// (transit.hpp), if the audience confirms it; simulated axes stand there unless something else is said or
 /// kept. With `shoot` the move is shot frame by frame; on a keyboard somebody asks for each frame, without
 /// one the camera does.
 ///

@@ -53,12 +53,12 @@ void refuse_positions_beyond_limits(const Plan& plan) {
   }
 }
 
-/// At so many times the drawn speed every axis goes as slowly as on a way outside of the path.
+/// At so many times the drawn speed every axis goes as slowly as in a transit.
 double slow_rate_of(const CheckReport& report) {
   constexpr double min_slow_rate = 0.01;
   double share = 0;
   for (const CheckedAxis& axis : report.axes) share = std::max(share, axis.velocity.share());
-  return share > slow_share ? std::max(slow_share / share, min_slow_rate) : 1;
+  return share > transit_share ? std::max(transit_share / share, min_slow_rate) : 1;
 }
 
 }  // namespace
@@ -93,14 +93,14 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
       throw InputError(axis.place,
                        fmt::format("{} stands at {:.10g} {}, outside its limits {}; {}", named(axis),
                                    actual[a], to_string(axis.unit), range_in_words(axis),
-                                   way_back_inside(rig, a, actual[a], as_arguments)));
+                                   remedy_outside(rig, a, actual[a], as_arguments)));
     }
     away.push_back({.axis = a, .position = target});
   }
   return away;
 }
 
-void refuse_unagreed_way(const Plan& plan, std::size_t axis, bool can_be_agreed) {
+void refuse_unagreed_transit(const Plan& plan, std::size_t axis, bool can_be_agreed) {
   if (can_be_agreed) return;
   throw InputError({plan.move().path, 0, 0},
                    fmt::format("{} of the rig is not where the move starts; bring it there, or agree to let "

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/motions/slow_way.hpp"
 #include "host_tools/motions/staged_move.hpp"
+#include "host_tools/motions/transit.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/play/playhead.hpp"
 
@@ -27,6 +27,6 @@ std::vector<GoTarget> away_from_start(const Plan& plan, std::span<const double> 
                                       const std::string& as_arguments = "");
 
 /// Throws InputError where the axis has to go to the start of the move and nobody can agree to it.
-void refuse_unagreed_way(const Plan& plan, std::size_t axis, bool can_be_agreed);
+void refuse_unagreed_transit(const Plan& plan, std::size_t axis, bool can_be_agreed);
 
 }  // namespace inbetween

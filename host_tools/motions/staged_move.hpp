@@ -25,7 +25,7 @@ struct ShootStage {
 /// Stop bounds, a playhead on the first frame, and another for axes that stand still during exposures. Refers
 /// to the plan.
 ///
-/// Stops may use the stop limits of the rig, everything else its motion limits alone. The ways to single
+/// Stops may use the stop limits of the rig, everything else its motion limits alone. The motions to single
 /// frames and through exposures are slower than drawn, unless the exposures need more: at travel_share of the
 /// highest rate the motion itself takes half of an axis' acceleration at most, and leaves the rest to speed
 /// up with. A move that is played on after a stop rises by middle_share to the highest rate.

@@ -419,9 +419,9 @@ std::optional<double> Transport::seconds_left(double frame) const {
   if (playhead_.state() != PlayheadState::playing || playhead_.repeat() != Repeat::none || has_no_end) {
     return std::nullopt;
   }
-  const double way =
+  const double distance =
       direction_ == Direction::forward ? move_.last_frame() - frame : frame - move_.first_frame();
-  return way / (move_.frame_rate().frames_per_second() * asked_rate_);
+  return distance / (move_.frame_rate().frames_per_second() * asked_rate_);
 }
 
 const char* Transport::doing() const {

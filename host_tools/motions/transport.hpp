@@ -32,8 +32,8 @@ struct TransportLines {
 /// whenever a take is to begin, so that the caller makes ready for it and comes back, and when it has ended.
 ///
 /// g and k, a number and Enter go to a frame or a key, along the path and slowly: no axis faster than
-/// slow_share of its limits, as far as the move is not drawn slower. So do the arrows, a frame a press and on
-/// and on while they are held (KeyHold), and a wheel, a frame a detent; between takes as well. Whatever
+/// transit_share of its limits, as far as the move is not drawn slower. So do the arrows, a frame a press and
+/// on and on while they are held (KeyHold), and a wheel, a frame a detent; between takes as well. Whatever
 /// begins so ends at rest on the path.
 ///
 /// Turns that go round never come to the end of their time line: behind the turn in the middle the playhead

@@ -157,7 +157,7 @@ void refuse_rest(const TomlTable& table, const MoveTrack& track) {
   rest->refuse(R"(needs a drawn speed, kinetic = "curves" or "pace", or overlap; remove it)");
 }
 
-/// Where a link is keyed, or its way measured, the corners are those of axes that follow.
+/// Where a link is keyed, or its path measured, the corners are those of axes that follow.
 void refuse_round_in_space(const TomlTable& table, const MoveTrack& track) {
   if (!has_round(track) || !(track.space || track.distance)) return;
   const auto written = table.optional("round");

@@ -108,7 +108,7 @@ struct MoveSpace {
   std::vector<std::optional<double>> near;  // of each axis, in the unit of the rig; empty: none
 };
 
-/// A tip whose way is the distance.
+/// A tip whose path is the distance.
 struct MoveDistance {
   std::string tip;
   Place place;
@@ -158,7 +158,7 @@ struct MoveTrack {
       curve_requests;         // rest, ease_in, ease_out, through of a drawn speed, in order of the file
   bool ease_corners = false;  // the speed touches 0 wherever the path turns at once
   bool overshoot = true;      // false: no axis leaves the values of neighbouring keys between them
-  std::optional<std::int32_t> overlap;  // frames, of straight ways timed by frames
+  std::optional<std::int32_t> overlap;  // frames, of straight lines timed by frames
   std::optional<double> round;          // weighted distance, of a straight path with a speed curve
   Place place;
 };

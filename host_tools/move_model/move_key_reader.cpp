@@ -195,7 +195,7 @@ CornerFields read_corner_fields(const TomlTable& table, const MoveTrack& track) 
   if (const auto overlap = table.optional("overlap")) {
     if (!is_straight || is_curve || kinetic_of(track) != MoveKinetic::linear) {
       overlap->refuse(
-          R"(is for straight ways timed by frames: timing = "frames" and spline = "linear"; with a speed )"
+          R"(is for straight lines timed by frames: timing = "frames" and spline = "linear"; with a speed )"
           "curve use round, or remove it");
     }
     fields.overlap = static_cast<std::int32_t>(overlap->integer(0, max_frames));

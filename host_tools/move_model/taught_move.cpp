@@ -202,21 +202,22 @@ void TaughtMove::ask_if_near(std::size_t t, std::size_t index, Where where, cons
   const std::size_t behind = where == Where::in_place ? index + 1 : index;
   for (const std::size_t k : {index - 1, behind}) {
     if (k >= track.keys.size()) continue;
-    std::vector<std::string> ways;
+    std::vector<std::string> distances;
     bool is_near = true;
     for (std::size_t d = 0; d < at.size(); ++d) {
       const RigAxis& axis = rig_axis(track.axes[d]);
       const double size = *converted(1, unit_in(track, d), axis.unit);
-      const double way = std::fabs(track.keys[k].at[d] - at[d]) * size;
-      is_near = is_near && way <= std::max(near_share * (axis.max - axis.min), 2 * count_of(axis));
-      if (way > 0) ways.push_back(fmt::format("{} {:.3g} {}", axis.name, way, to_string(axis.unit)));
+      const double distance = std::fabs(track.keys[k].at[d] - at[d]) * size;
+      is_near = is_near && distance <= std::max(near_share * (axis.max - axis.min), 2 * count_of(axis));
+      if (distance > 0)
+        distances.push_back(fmt::format("{} {:.3g} {}", axis.name, distance, to_string(axis.unit)));
     }
     if (!is_near) continue;
     asked_ = std::move(asked);
     const char* again = where == Where::in_place ? "t" : where == Where::before_chosen ? "i" : "Enter";
-    throw NotTaught{
-        fmt::format("key {} is here already ({}): {} again stores it all the same", k,
-                    ways.empty() ? "the same place" : fmt::format("{} away", fmt::join(ways, ", ")), again)};
+    throw NotTaught{fmt::format(
+        "key {} is here already ({}): {} again stores it all the same", k,
+        distances.empty() ? "the same place" : fmt::format("{} away", fmt::join(distances, ", ")), again)};
   }
 }
 

@@ -27,7 +27,7 @@ using StandingAxes = std::vector<std::optional<double>>;
 /// keys a path turns on the spot. The same step at the same place once more stores it.
 class TaughtMove {
  public:
-  /// Of the way between the limits of an axis.
+  /// Of the range between the limits of an axis.
   static constexpr double near_share = 1e-3;
 
   /// The move at `path`, or one that its first key makes, with a track of these axes of the rig. Refers to

@@ -21,7 +21,7 @@ constexpr double gap_tolerance = 1e-12;
 constexpr double acceptable_miss = 1e-9;
 constexpr double acceptable_slope = 1e-6;
 constexpr double acceptable_gap = 1e-7;
-/// So many steps without a better one end the search: rounding is in the way, and further steps lead astray.
+/// So many steps without a better one end the search: rounding prevents one, and further steps lead astray.
 /// Of what is acceptable already, a better one has a tenth left.
 constexpr int max_idle_steps = 10;
 constexpr double better_share = 0.1;
@@ -202,26 +202,26 @@ class BandProgram::Newton {
 
   /// Towards slack * dual = aim, with the product of the steps before as a correction.
   [[nodiscard]] Direction direction(double aim, const Direction* before) const {
-    Direction way{.x = base_, .slack = missed_, .dual = in_.dual_};
+    Direction step{.x = base_, .slack = missed_, .dual = in_.dual_};
     double ease = ease_base_;
     for (std::size_t k = 0; k < in_.inequalities_.size(); ++k) {
       const Row& row = in_.inequalities_[k];
       const double product = before != nullptr ? before->slack[k] * before->dual[k] : 0;
-      way.dual[k] = (aim - product) / in_.slack_[k] - in_.dual_[k];
-      const double push = way.dual[k] - in_.dual_[k] / in_.slack_[k] * missed_[k];
-      for (const Term& term : in_.placed(row)) way.x[term.unknown] += push * term.weight;
+      step.dual[k] = (aim - product) / in_.slack_[k] - in_.dual_[k];
+      const double push = step.dual[k] - in_.dual_[k] / in_.slack_[k] * missed_[k];
+      for (const Term& term : in_.placed(row)) step.x[term.unknown] += push * term.weight;
       ease += row.eased * push;
     }
-    matrix_.solve(way.x);
+    matrix_.solve(step.x);
     if (in_.price_ > 0) {
-      way.ease = (ease - std::inner_product(border_.begin(), border_.end(), way.x.begin(), 0.0)) / corner_;
-      for (std::size_t i = 0; i < way.x.size(); ++i) way.x[i] -= way.ease * inner_border_[i];
+      step.ease = (ease - std::inner_product(border_.begin(), border_.end(), step.x.begin(), 0.0)) / corner_;
+      for (std::size_t i = 0; i < step.x.size(); ++i) step.x[i] -= step.ease * inner_border_[i];
     }
     for (std::size_t k = 0; k < in_.inequalities_.size(); ++k) {
-      way.slack[k] += in_.sum_of(in_.inequalities_[k], way.x, way.ease);
-      way.dual[k] -= in_.dual_[k] / in_.slack_[k] * way.slack[k];
+      step.slack[k] += in_.sum_of(in_.inequalities_[k], step.x, step.ease);
+      step.dual[k] -= in_.dual_[k] / in_.slack_[k] * step.slack[k];
     }
-    return way;
+    return step;
   }
 
  private:

@@ -56,7 +56,7 @@ class BandProgram {
     double bound = 0;
     double eased = 0;  ///< the factor of the ease, 1 or 0
   };
-  /// Newton's way from one point to the next.
+  /// Newton's step from one point to the next.
   struct Direction {
     std::vector<double> x, slack, dual;
     double ease = 0;

@@ -126,10 +126,10 @@ FollowedPath AxesInSpace::follow() {
                             .guides = space_.has_at ? rows_.at : rows_.aim,
                             .position = rows_.at,
                             .aim = rows_.aim};
-  const double length = std::max(rough_length(path, layout.guides), no_way);
+  const double length = std::max(rough_length(path, layout.guides), min_length);
   FollowedPath followed = followed_path(
       path, is_c2(track_), follower, layout, kinematics_, tip_.link, coordinates_,
-      {.way_m = way_share * length}, [this](const FollowObstacle& obstacle) {
+      {.off_m = off_share * length}, [this](const FollowObstacle& obstacle) {
         refuse(obstacle.where,
                fmt::format("axis {} would have to move at once, because a singular place is near or the "
                            "solution goes no farther; lead the path round it",
@@ -236,9 +236,9 @@ std::size_t AxesInSpace::weak_axis_between(const TipTarget& wanted, const std::v
 void AxesInSpace::refuse(const PathPoint& place, const std::string& problem) const {
   const auto passed = static_cast<std::size_t>(drawn_.path().parameter(place));
   const std::size_t key = std::min(passed, track_.keys.size() - 1);
-  const double way = drawn_.arc_length().distance(drawn_.path(), place).high;
+  const double distance = drawn_.arc_length().distance(drawn_.path(), place).high;
   throw InputError(track_.keys[key].place, fmt::format("frame {:.2f}, {:.4g} m along the path: {}",
-                                                       frame_of_place(drawn_, place), way, problem));
+                                                       frame_of_place(drawn_, place), distance, problem));
 }
 
 void AxesInSpace::refuse_singular(const PathPoint& place, std::size_t axis) const {

@@ -17,9 +17,9 @@
 namespace inbetween {
 
 /// Of the length of the path: a tenth of what a move in space may be off.
-inline constexpr double way_share = 1e-7;
+inline constexpr double off_share = 1e-7;
 /// A length that is nothing (m), for paths that stay in one place.
-inline constexpr double no_way = 1e-6;
+inline constexpr double min_length = 1e-6;
 /// So many straight lines tell the length of a path well enough for a tolerance.
 inline constexpr int chords_between_keys = 16;
 

@@ -13,7 +13,7 @@ namespace inbetween {
 namespace {
 
 constexpr std::int16_t first_parts = 8;
-/// Where a way between two keys would need more, the axes turn at once.
+/// Where a stretch between two keys would need more, the axes turn at once.
 constexpr std::int16_t max_parts = 2048;
 /// Below this share of the fastest between two keys, the speed is compared with that share.
 constexpr double slow_share = 0.01;
@@ -229,11 +229,11 @@ SegmentBounds bounds_of(const Construction& construction, std::size_t segment, s
     const double speed = std::max(found[k].slowest, slow_share * fastest);
     const double share = found[k].speed > 0 ? found[k].speed / speed : 0;
     FollowAccuracy& most = bounds.worst;
-    most = {.way_m = std::max(most.way_m, found[k].way),
+    most = {.off_m = std::max(most.off_m, found[k].off),
             .speed_share = std::max(most.speed_share, share),
             .aim_rad = std::max(most.aim_rad, found[k].aim)};
     const double excess = std::max(
-        {found[k].way / tolerance.way_m, share / tolerance.speed_share, found[k].aim / tolerance.aim_rad});
+        {found[k].off / tolerance.off_m, share / tolerance.speed_share, found[k].aim / tolerance.aim_rad});
     if (!(excess > worst)) continue;
     worst = excess;
     bounds.worst_part = static_cast<std::int16_t>(k);
@@ -243,7 +243,7 @@ SegmentBounds bounds_of(const Construction& construction, std::size_t segment, s
 }
 
 bool is_within(const FollowAccuracy& found, const FollowTolerance& tolerance) {
-  return found.way_m <= tolerance.way_m && found.speed_share <= tolerance.speed_share &&
+  return found.off_m <= tolerance.off_m && found.speed_share <= tolerance.speed_share &&
          found.aim_rad <= tolerance.aim_rad;
 }
 
@@ -265,7 +265,7 @@ FollowedPath followed_path(const Path& drawn, bool is_smooth, const Follower& fo
       const SegmentBounds bounds =
           bounds_of(construction, i, first, layout, kinematics, link, coordinates, tolerance);
       FollowAccuracy& all = path.accuracy;
-      all = {.way_m = std::max(all.way_m, bounds.worst.way_m),
+      all = {.off_m = std::max(all.off_m, bounds.worst.off_m),
              .speed_share = std::max(all.speed_share, bounds.worst.speed_share),
              .aim_rad = std::max(all.aim_rad, bounds.worst.aim_rad)};
       if (is_within(bounds.worst, tolerance)) continue;

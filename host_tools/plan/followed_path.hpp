@@ -19,7 +19,7 @@ namespace inbetween {
 
 /// Proven everywhere on the path, up to the rounding of double.
 struct FollowAccuracy {
-  double way_m = 0;  // between the link and where it is drawn
+  double off_m = 0;  // between the link and where it is drawn
   /// Of the drawn speed, or of a hundredth of the fastest between the keys if that is more.
   double speed_share = 0;
   bool is_share_of_fastest = false;  // it is of the fastest of the whole path
@@ -28,7 +28,7 @@ struct FollowAccuracy {
 
 /// Bounds that are good enough.
 struct FollowTolerance {
-  double way_m = 0;
+  double off_m = 0;
   double speed_share = 2e-5;
   double aim_rad = 2e-5;
 };

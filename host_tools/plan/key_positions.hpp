@@ -14,7 +14,7 @@ std::optional<AxisUnit> unit_without_rig(const MoveTrack& track, std::size_t axi
 
 /// Converts every key to the units of the rig, or without one of unit_without_rig, and takes every axis with
 /// a wrap the way round that its keys say: positions go on, by multiples of the wrap. A closed path returns
-/// to its first key by the way of that key; MoveTrack::lap tells how far beyond it. Units, wraps and ways
+/// to its first key by the `way` of that key; MoveTrack::lap tells how far beyond it. Units, wraps and ways
 /// are done then, so that a second time changes nothing. The same of the drawn curves of a network, and a key
 /// that leaves out a drawn axis gets its position from there.
 ///

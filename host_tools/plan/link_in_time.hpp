@@ -1,4 +1,4 @@
-// The way of a link through a move, by the tracks that move it.
+// The path of a link through a move, by the tracks that move it.
 #pragma once
 
 #include <cstddef>

@@ -29,17 +29,18 @@ double distance_between(const MoveTrack& track, const MoveKey& one, const MoveKe
 std::vector<NearKeys> near_keys(const MoveTrack& track) {
   std::vector<NearKeys> found;
   if (!goes_by_distance(track)) return found;
-  std::vector<double> ways;
+  std::vector<double> distances;
   for (std::size_t k = 0; k + 1 < track.keys.size(); ++k)
-    ways.push_back(distance_between(track, track.keys[k], track.keys[k + 1]));
-  for (std::size_t k = 0; k < ways.size(); ++k) {
-    if (ways[k] == 0) continue;
+    distances.push_back(distance_between(track, track.keys[k], track.keys[k + 1]));
+  for (std::size_t k = 0; k < distances.size(); ++k) {
+    if (distances[k] == 0) continue;
     std::optional<double> nearest;
     for (const std::size_t beside : {k - 1, k + 1}) {
-      if (beside < ways.size() && ways[beside] > 0)
-        nearest = std::min(ways[beside], nearest.value_or(ways[beside]));
+      if (beside < distances.size() && distances[beside] > 0)
+        nearest = std::min(distances[beside], nearest.value_or(distances[beside]));
     }
-    if (nearest && *nearest >= min_times_nearer * ways[k]) found.push_back({k, ways[k], *nearest / ways[k]});
+    if (nearest && *nearest >= min_times_nearer * distances[k])
+      found.push_back({k, distances[k], *nearest / distances[k]});
   }
   return found;
 }

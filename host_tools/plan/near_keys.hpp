@@ -11,7 +11,7 @@ namespace inbetween {
 
 /// Two neighbouring keys that are nearly in one place.
 struct NearKeys {
-  std::size_t first = 0;    ///< the key before the way between them
+  std::size_t first = 0;    ///< the key before the segment between them
   double distance = 0;      ///< as the track counts it: weighted; of keys in the world in metres
   double times_nearer = 0;  ///< than the nearer of their other neighbours
 };

@@ -10,7 +10,7 @@
 namespace inbetween {
 namespace {
 
-/// Rests put knots on quarters of the way between two keys, which are whole quarters of frames.
+/// Rests put knots on quarters of the segment between two keys, which are whole quarters of frames.
 constexpr std::int64_t quarters_per_frame = 4;
 /// Segments between two keys beside a rest.
 constexpr std::size_t max_parts_per_frame = 4;

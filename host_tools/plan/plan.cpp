@@ -67,7 +67,7 @@ struct TrackNumbers {
   }
 
  private:
-  /// Straight ways that overlap in time are curves over time, though each of them is linear.
+  /// Straight lines that overlap in time are curves over time, though each of them is linear.
   void take_corners(const MoveTrack& track) {
     if (track.keys.size() < 2) return;
     if (has_overlap(track)) {
@@ -168,7 +168,7 @@ std::string message_of(const SolverError& refused, const MoveTrack& track, std::
   }
   if (error.code == ErrorCode::unmeasured && (track.space || track.distance)) {
     return fmt::format(
-        "{}key {}: the link stands still after this key while something else moves, and its way in "
+        "{}key {}: the link stands still after this key while something else moves, and its path in "
         "space is the distance; let it move too, or give what moves a track of its own",
         where, error.key);
   }
@@ -191,8 +191,8 @@ std::string message_of(const SolverError& refused, const MoveTrack& track, std::
   return fmt::format("{}{}; {}", where, error.what, error.remedy);
 }
 
-/// A track with one key stands there. It has no way of which a distance could be told; and one in space is
-/// solved along a way, so that it has the key twice.
+/// A track with one key stands there. It has no path of which a distance could be told; and one in space is
+/// solved along a path, so that it has the key twice.
 void stand_at_one_key(MoveFile& move) {
   for (MoveTrack& track : move.tracks) {
     if (track.keys.size() != 1) continue;
@@ -214,7 +214,7 @@ void refuse_curves_in_space(const MoveTrack& track) {
   if (kinetic == MoveKinetic::linear || kinetic == MoveKinetic::pace) return;
   throw InputError(
       track.space ? track.space->place : track.distance->place,
-      R"(with timing = "frames" a way in space is passed with kinetic = "pace" or "linear"; write one )"
+      R"(with timing = "frames" a path in space is passed with kinetic = "pace" or "linear"; write one )"
       "of the two");
 }
 
@@ -521,7 +521,7 @@ void Plan::list_tips() {
     }
     warnings_.push_back(
         {rig_->kinematics->tips[i].place,
-         fmt::format("the way of {} is not shown: it hangs on axis {}, which is in no track; give that "
+         fmt::format("the path of {} is not shown: it hangs on axis {}, which is in no track; give that "
                      "a track with one key",
                      in_quotes(tip.name), in_quotes(unknown->name))});
   }

@@ -87,7 +87,7 @@ class Plan {
   [[nodiscard]] const std::optional<FollowAccuracy>& accuracy(std::size_t track) const {
     return accuracies_[track];
   }
-  /// The tips whose way is known: all axes that move them are in a track. warnings() names the others.
+  /// The tips whose path is known: all axes that move them are in a track. warnings() names the others.
   [[nodiscard]] const std::vector<Tip>& tips() const { return tips_; }
   /// The axis of axes() that is axis `move_axis` of played().
   [[nodiscard]] std::size_t axis_of(std::size_t move_axis) const;

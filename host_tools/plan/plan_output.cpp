@@ -387,7 +387,7 @@ void print_followed(const Plan& plan, std::size_t track, std::string_view indent
   }
   std::vector<std::string> bounds;
   if (!written.space || written.space->has_at) {
-    bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->way_m * 1e6));
+    bounds.push_back(fmt::format("within {:.2g} um of its path", accuracy->off_m * 1e6));
     bounds.push_back(fmt::format("its speed within {:.2g} of {}", accuracy->speed_share,
                                  accuracy->is_share_of_fastest ? "the fastest" : "what is drawn"));
   }

@@ -109,7 +109,7 @@ TrackedPath together(const std::vector<TrackedPath>& found, const std::vector<Ro
     for (std::size_t i = 0; i < path.cubics.size(); ++i)
       all.path.cubics[i / own.size() * axes + own[i % own.size()]] = path.cubics[i];
     FollowAccuracy& worst = all.path.accuracy;
-    worst.way_m = std::max(worst.way_m, path.accuracy.way_m);
+    worst.off_m = std::max(worst.off_m, path.accuracy.off_m);
     worst.speed_share = std::max(worst.speed_share, path.accuracy.speed_share);
   }
   return all;

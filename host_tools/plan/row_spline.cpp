@@ -92,8 +92,8 @@ std::vector<Cubic> spline_through(const SplineRun& run) {
   std::vector<Cubic> cubics;
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
     const double square = run.steps[k] * run.steps[k];
-    const double way = run.values[k + 1] - run.values[k];
-    cubics.push_back({run.values[k], way - square * (2 * moments[k] + moments[k + 1]) / 6,
+    const double difference = run.values[k + 1] - run.values[k];
+    cubics.push_back({run.values[k], difference - square * (2 * moments[k] + moments[k + 1]) / 6,
                       square * moments[k] / 2, square * (moments[k + 1] - moments[k]) / 6});
   }
   return cubics;

@@ -149,7 +149,7 @@ FollowedPath tip_of_axes(const MoveTrack& track, const Path& drawn, const Kinema
                                 }
                                 return Follower::Row{v.x, v.y, v.z};
                               }};
-  double length = no_way;
+  double length = min_length;
   std::optional<Vector3> before;
   for (std::int32_t i = 0; i < drawn.segment_count(); ++i) {
     for (int k = 0; k <= chords_between_keys; ++k) {
@@ -163,7 +163,7 @@ FollowedPath tip_of_axes(const MoveTrack& track, const Path& drawn, const Kinema
   const std::vector<std::size_t> guides = rows_from(coordinates.size(), 3);
   const FollowLayout layout{.axes = axes, .guides = guides, .position = guides, .aim = {}};
   return followed_path(drawn, is_c2(track), follower, layout, kinematics, tip.link, coordinates,
-                       {.way_m = way_share * length}, [&](const FollowObstacle& obstacle) {
+                       {.off_m = off_share * length}, [&](const FollowObstacle& obstacle) {
                          const auto key = static_cast<std::size_t>(obstacle.where.segment);
                          throw InputError(
                              track.keys[key].place,

@@ -34,7 +34,7 @@ void settle_aims(MoveFile& move, const Kinematics* kinematics, std::span<const A
 
 /// Of the rows of a drawn path in space: the coordinates of the keys, then those of a fixed aim.
 std::vector<double> space_row(const MoveSpace& space, const MoveKey& key);
-/// What of them is the distance: the way of the link, or of the point at which it looks where only that is
+/// What of them is the distance: the path of the link, or of the point at which it looks where only that is
 /// drawn.
 std::vector<double> space_weights(const MoveSpace& space);
 
@@ -49,7 +49,7 @@ FollowedPath axes_in_space(const MoveTrack& track, const Track& drawn, const Kin
 TrackedPath axes_looking_at(const MoveTrack& track, const Track& drawn, const Kinematics& kinematics,
                             const RigFile& rig, std::vector<DrivenCoordinate> driven);
 
-/// The way of a tip along a path of axes.
+/// The path of a tip along a path of axes.
 FollowedPath tip_of_axes(const MoveTrack& track, const Path& drawn, const Kinematics& kinematics,
                          const RigFile& rig);
 

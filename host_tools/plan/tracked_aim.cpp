@@ -87,7 +87,7 @@ class Tracking {
       max_speed_ = hypotenuse(max_speed_, bounds.peaks[row].velocity.value);
       max_jerk_ = hypotenuse(max_jerk_, bounds.peaks[row].jerk.value);
     }
-    way_ = std::max(way_share * drawn.arc_length().total(), way_share * no_way);
+    off_m_ = std::max(off_share * drawn.arc_length().total(), off_share * min_length);
     find_key_frames();
   }
 
@@ -96,8 +96,8 @@ class Tracking {
       step_s_ = 1 / (per_frame_ * drawn_.frame_rate().frames_per_second());
       steps_ = static_cast<std::size_t>(drawn_.frames()) * static_cast<std::size_t>(per_frame_);
       if (steps_ < 8) continue;
-      if (steps_ > max_time_steps || longest_way_between_keys() * per_frame_ > max_aim_parts) break;
-      if (drawn_way() > way_) continue;
+      if (steps_ > max_time_steps || most_frames_between_keys() * per_frame_ > max_aim_parts) break;
+      if (drawn_off() > off_m_) continue;
       sample();
       FollowedPath path = build();
       if (is_good(path.accuracy)) {
@@ -131,9 +131,9 @@ class Tracking {
   }
 
   static double cube(double x) { return x * x * x; }
-  [[nodiscard]] double drawn_way() const { return max_jerk_ * cube(step_s_) / 4; }
+  [[nodiscard]] double drawn_off() const { return max_jerk_ * cube(step_s_) / 4; }
 
-  [[nodiscard]] std::int32_t longest_way_between_keys() const {
+  [[nodiscard]] std::int32_t most_frames_between_keys() const {
     std::int32_t longest = 0;
     for (std::size_t k = 1; k < key_frames_.size(); ++k) {
       longest = std::max(longest, key_frames_[k] - key_frames_[k - 1]);
@@ -215,7 +215,7 @@ class Tracking {
       aims_.push_back(*point);
       nearest_ = std::min(nearest_, length(point->position - places_.back().position));
     }
-    // Between two steps both go half a step's way at most.
+    // Between two steps both go half a step's distance at most.
     if (aim_ != nullptr) nearest_ -= (max_speed_ + aim_->max_speed()) * step_s_ / 2;
   }
   [[nodiscard]] MovingPoint drawn_place() const {
@@ -285,11 +285,11 @@ class Tracking {
       if (aim_ != nullptr) aim = cubics_of(aims_, step);
       const TipDeviation found =
           tip_deviation(kinematics_, axes_.tip().link, {axes, axes_.coordinates(), place, aim});
-      accuracy.way_m = std::max(accuracy.way_m, found.way);
+      accuracy.off_m = std::max(accuracy.off_m, found.off);
       accuracy.aim_rad = std::max(accuracy.aim_rad, found.aim);
       speed = std::max(speed, found.speed / step_s_);
     }
-    accuracy.way_m += drawn_way();
+    accuracy.off_m += drawn_off();
     speed += max_jerk_ * step_s_ * step_s_ / 4;
     accuracy.speed_share = max_speed_ > 0 ? speed / max_speed_ : 0;
     accuracy.is_share_of_fastest = true;
@@ -300,7 +300,7 @@ class Tracking {
   }
 
   [[nodiscard]] bool is_good(const FollowAccuracy& found) const {
-    return found.way_m <= way_ && found.aim_rad <= max_aim_rad && found.speed_share <= max_speed_share;
+    return found.off_m <= off_m_ && found.aim_rad <= max_aim_rad && found.speed_share <= max_speed_share;
   }
 
   const MoveTrack& track_;
@@ -312,14 +312,14 @@ class Tracking {
   std::vector<std::int32_t> key_frames_;
   double max_speed_ = 0;  // of the drawn place
   double max_jerk_ = 0;
-  double way_ = 0;  // the tolerance
+  double off_m_ = 0;  // the tolerance
   std::int32_t per_frame_ = 0;
   double step_s_ = 0;
   std::size_t steps_ = 0;
   std::vector<std::vector<double>> values_;
   std::vector<MovingPoint> places_, aims_;
   std::vector<double> first_slope_, last_slope_;
-  double nearest_ = 0;  // the least way from the lens to the point
+  double nearest_ = 0;  // the least distance from the lens to the point
 };
 
 }  // namespace

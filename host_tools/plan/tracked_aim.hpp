@@ -23,8 +23,8 @@ struct TrackedPath {
 
 inline constexpr std::int32_t min_steps_per_frame = 2;
 
-/// `drawn` is the track through the keys, `aim` the way of the link that is looked at, or null. The steps are
-/// `first_steps_per_frame`, and twice as many until the bounds are small. Refuses, besides what
+/// `drawn` is the track through the keys, `aim` the path of the link that is looked at, or null. The steps
+/// are `first_steps_per_frame`, and twice as many until the bounds are small. Refuses, besides what
 /// AxesInSpace refuses: motion that steps between the ends of the move, axes that are left free, two keys
 /// nearest to one frame, a path whose bounds do not become small enough.
 ///

@@ -40,7 +40,7 @@ struct PlayedTurns {
   std::int32_t frames = 1;  ///< of a turn
   std::int32_t turns = 1;
   /// The turn in the middle is played again and again, and those around it are there for what begins in it
-  /// and is not over at its end: a stop, a change of the rate, a way to a frame.
+  /// and is not over at its end: a stop, a change of the rate, a motion to a frame.
   bool goes_round = false;
 
   /// A turn of frames in the middle.

@@ -16,13 +16,13 @@ constexpr double mean_rounding = 1e-6;
 /// The advice leaves this share of room.
 constexpr double advised_room = 0.01;
 
-/// The way from one lock to the next, and the mean that the curve needs while it is passed.
-struct LockedWay {
+/// The stretch from one lock to the next, and the mean that the curve needs while it is passed.
+struct LockedStretch {
   KeyLock begin, end;
   double mean = 0;
 };
 
-LockedWay fastest_way(const UnmetLocks& unmet) {
+LockedStretch fastest_stretch(const UnmetLocks& unmet) {
   const auto f = static_cast<std::int32_t>(unmet.control_values.size()) - 1;
   const auto distance = [&](const KeyLock& lock) {
     return unmet.waypoints[static_cast<std::size_t>(lock.key)].distance;
@@ -30,7 +30,7 @@ LockedWay fastest_way(const UnmetLocks& unmet) {
   const auto a_of = [&](std::int32_t frame) {
     return static_cast<double>(frame) * static_cast<double>(f) / static_cast<double>(unmet.frames);
   };
-  LockedWay fastest;
+  LockedStretch fastest;
   for (std::size_t i = 0; i + 1 < unmet.locks.size();) {
     std::size_t end = i + 1;
     while (end + 1 < unmet.locks.size() && !unmet.locks[end].breaks) ++end;
@@ -52,15 +52,15 @@ LockedWay fastest_way(const UnmetLocks& unmet) {
 }  // namespace
 
 std::optional<UnmetLock> proven_unmet(const UnmetLocks& unmet) {
-  const LockedWay way = fastest_way(unmet);
-  const double times = way.mean / largest_control_value;
+  const LockedStretch stretch = fastest_stretch(unmet);
+  const double times = stretch.mean / largest_control_value;
   if (!(times > 1 + mean_rounding)) return std::nullopt;
   const auto key_of = [&](const KeyLock& lock) {
     return unmet.waypoints[static_cast<std::size_t>(lock.key)].key;
   };
   // That the last key is met on the last frame is nobody's request.
-  const bool ends_at_end = static_cast<std::size_t>(way.end.key) + 1 == unmet.waypoints.size();
-  const KeyLock& blamed = ends_at_end ? way.begin : way.end;
+  const bool ends_at_end = static_cast<std::size_t>(stretch.end.key) + 1 == unmet.waypoints.size();
+  const KeyLock& blamed = ends_at_end ? stretch.begin : stretch.end;
   return UnmetLock(
       {.code = ErrorCode::no_solution,
        .what = "no speed curve from 0 to 100 meets this key on its frame",
@@ -68,8 +68,8 @@ std::optional<UnmetLock> proven_unmet(const UnmetLocks& unmet) {
        .frame = blamed.frame},
       fmt::format("between key {} on frame {} and key {} on frame {} it would have to be {:.4g} on average; "
                   "move the frame, or draw the curve as a whole {:.3g} times lower",
-                  key_of(way.begin), way.begin.frame + way.begin.hold, key_of(way.end), way.end.frame,
-                  way.mean, (1 + advised_room) * times));
+                  key_of(stretch.begin), stretch.begin.frame + stretch.begin.hold, key_of(stretch.end),
+                  stretch.end.frame, stretch.mean, (1 + advised_room) * times));
 }
 
 }  // namespace inbetween

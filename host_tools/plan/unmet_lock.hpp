@@ -30,10 +30,10 @@ struct UnmetLocks {
   std::int32_t frames = 0;
 };
 
-/// A control value is 100 at most, and so is the mean of a curve, however many values it has. Where the way
+/// A control value is 100 at most, and so is the mean of a curve, however many values it has. Where the path
 /// between two neighbouring locks needs a larger mean, that proves that no curve meets them: the refusal
-/// blames the lock at the end of the way that needs the largest. Nothing where no way does. Phi between two
-/// breaks counts as drawn. O(control values + locks).
+/// blames the lock at the end of the stretch that needs the largest. Nothing where no stretch does. Phi
+/// between two breaks counts as drawn. O(control values + locks).
 std::optional<UnmetLock> proven_unmet(const UnmetLocks& unmet);
 
 }  // namespace inbetween

@@ -13,7 +13,7 @@ struct Waypoint {
   std::int32_t key = 0;      ///< the key, or the key before it
   std::int32_t segment = 0;  ///< of the path, that begins at the key, or in which it is
   bool is_key = true;
-  bool is_corner = false;  ///< the direction of the path changes at once: a corner, or the way back
+  bool is_corner = false;  ///< the direction of the path changes at once: a corner, or the path back
 };
 
 /// In order of distance, from the first key to the end of the path. Keys in one place are corners together or

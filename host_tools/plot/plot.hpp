@@ -57,7 +57,7 @@ struct PlotPosture {
   std::vector<std::pair<PlotPlace, PlotPlace>> bones;
 };
 
-/// The way of a link of the rig.
+/// The path of a link of the rig.
 struct PlotTip {
   std::string name;
   std::vector<PlotPlace> places;      // on the frames that are played
@@ -85,7 +85,7 @@ struct PlotMove {
 /// 1989, Figures 4 to 6: crowded ticks are slow, sparse ones fast), the speed curve over its control values,
 /// and the time bar, a stripe per frame as wide as the distance travelled in it; then every axis over time,
 /// rolls included. Of a part of a move path and speed curve are drawn whole, the rest on its frames. Per tip
-/// of an articulated rig: its way in plan, elevation and perspective (plot_tips.hpp). Where frames are too
+/// of an articulated rig: its path in plan, elevation and perspective (plot_tips.hpp). Where frames are too
 /// many for ticks or stripes to be told apart, the page shows every k-th and says so.
 ///
 /// A track of one axis is a ruler; of three or more axes, two planes through its first three. Both axes of a

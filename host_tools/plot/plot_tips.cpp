@@ -18,7 +18,7 @@ namespace inbetween {
 namespace {
 
 constexpr double view_gap = 36;
-/// More postures than this hide the way.
+/// More postures than this hide the path.
 constexpr double max_postures = 24;
 constexpr Stroke bone_stroke{plot_color::limit.faded(0.8), 1.5};
 constexpr Stroke shadow_stroke{plot_color::frame, 1.5};
@@ -69,7 +69,7 @@ class Projection {
   double eye_distance_ = 1;
 };
 
-/// The way on the floor of the picture, which shows in the perspective how high the tip is.
+/// The path on the floor of the picture, which shows in the perspective how high the tip is.
 std::vector<PlotPlace> shadow_of(const PlotTip& tip, double floor) {
   std::vector<PlotPlace> shadow = tip.places;
   for (PlotPlace& place : shadow) place[2] = floor;
@@ -86,7 +86,7 @@ std::vector<PlotPlace> all_places(const PlotTip& tip) {
   return places;
 }
 
-/// As the tip looks: to the point at which it is to look, and otherwise a short way.
+/// As the tip looks: to the point at which it is to look, and otherwise a short distance.
 struct Look {
   PlotPlace from{}, to{};
 };
@@ -138,18 +138,18 @@ std::vector<Point> on_page(const std::vector<PlotPlace>& places, const Projectio
   return points;
 }
 
-/// Across the way on the page, where it moves there.
-std::vector<std::pair<Point, Point>> frame_ticks(const std::vector<Point>& way, std::size_t every) {
+/// Across the path on the page, where it moves there.
+std::vector<std::pair<Point, Point>> frame_ticks(const std::vector<Point>& path, std::size_t every) {
   constexpr double half = 5;
   std::vector<std::pair<Point, Point>> ticks;
-  for (std::size_t j = 0; j < way.size(); j += every) {
-    const Point& before = way[j == 0 ? 0 : j - 1];
-    const Point& after = way[std::min(j + 1, way.size() - 1)];
+  for (std::size_t j = 0; j < path.size(); j += every) {
+    const Point& before = path[j == 0 ? 0 : j - 1];
+    const Point& after = path[std::min(j + 1, path.size() - 1)];
     const double length = std::hypot(after.x - before.x, after.y - before.y);
     if (!(length > 1e-6)) continue;
     const double x = -half * (after.y - before.y) / length;
     const double y = half * (after.x - before.x) / length;
-    ticks.push_back({{way[j].x - x, way[j].y - y}, {way[j].x + x, way[j].y + y}});
+    ticks.push_back({{path[j].x - x, path[j].y - y}, {path[j].x + x, path[j].y + y}});
   }
   return ticks;
 }
@@ -203,11 +203,11 @@ void draw_look(Canvas& canvas, const PlotPosture& posture, const Projection& pro
 }
 
 void draw_postures(Canvas& canvas, const Box& area, const PlotTip& tip, const Projection& projection,
-                   const PictureScale& scale, const std::vector<Point>& way) {
+                   const PictureScale& scale, const std::vector<Point>& path) {
   const auto every =
       static_cast<std::size_t>(round_step(static_cast<double>(tip.postures.size()) / max_postures));
   LabelPlacer labels(area);
-  for (const Point& point : way) labels.avoid(point);
+  for (const Point& point : path) labels.avoid(point);
   for (std::size_t i = 0; i < tip.postures.size(); i += every) {
     std::vector<std::pair<Point, Point>> bones;
     for (const auto& [from, to] : tip.postures[i].bones) {
@@ -242,8 +242,8 @@ void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const Plo
   flat.reserve(places.size());
   for (const PlotPlace& place : places) flat.push_back(projection(place));
   const PictureScale scale = fitted(flat, area);
-  const std::vector<Point> way = on_page(tip.places, projection, scale);
-  const double length = length_of(way);
+  const std::vector<Point> path = on_page(tip.places, projection, scale);
+  const double length = length_of(path);
   const auto every = static_cast<std::size_t>(
       round_step((move.part.last - move.part.first) / std::clamp(length / 4.5, 1.0, 1000.0)));
   if (view == View::perspective) {
@@ -252,13 +252,13 @@ void draw_view(Canvas& canvas, const Box& panel, const PlotMove& move, const Plo
   } else {
     draw_view_axes(canvas, area, scale, view);
   }
-  draw_postures(canvas, area, tip, projection, scale, way);
-  canvas.lines(frame_ticks(way, every), {plot_color::ink.faded(0.75), 1});
-  canvas.polyline(simplified_to(way, 20'000), {color, 2});
+  draw_postures(canvas, area, tip, projection, scale, path);
+  canvas.lines(frame_ticks(path, every), {plot_color::ink.faded(0.75), 1});
+  canvas.polyline(simplified_to(path, 20'000), {color, 2});
   const std::string ticks = every == 1
                                 ? "a tick at every frame"
                                 : fmt::format("a tick at every {}{} frame", every, every == 2 ? "nd" : "th");
-  const std::string remarks = view == View::perspective ? "grey below: the way on the floor" : ticks;
+  const std::string remarks = view == View::perspective ? "grey below: the path on the floor" : ticks;
   draw_heading(canvas, {panel.x, panel.y + 14}, name, remarks, panel.width);
 }
 

@@ -16,18 +16,18 @@ namespace {
 
 /// A turn of something that an axis moves with, in its unit.
 struct TurnOf {
-  double way;
+  double distance;
   const char* what;
 };
 
 /// The turns that a drive may lose: of its output shaft, and of its rotor.
 std::vector<TurnOf> turns_of(const RigAxis& axis) {
   std::vector<TurnOf> turns;
-  if (axis.calibration) return turns;  // the axis has another way for each
+  if (axis.calibration) return turns;  // the axis has another distance for each
   if (const std::optional<double> turns_per_unit = turns_per_unit_of(axis.drive)) {
     turns.push_back({1 / std::fabs(*turns_per_unit), "the output shaft"});
     if (const auto* motor = std::get_if<CubemarsDrive>(&axis.drive)) {
-      turns.push_back({turns.front().way / motor->gear, "the rotor"});
+      turns.push_back({turns.front().distance / motor->gear, "the rotor"});
     }
   } else if (axis.unit == AxisUnit::deg) {
     turns.push_back({360, "the axis"});
@@ -41,11 +41,11 @@ double rounded(double position) {
 }
 
 /// "360 deg, one turn of the output shaft".
-std::string way_in_words(const RigAxis& axis, double way) {
-  std::string words = fmt::format("{:.5g} {}", way, to_string(axis.unit));
+std::string distance_in_words(const RigAxis& axis, double distance) {
+  std::string words = fmt::format("{:.5g} {}", distance, to_string(axis.unit));
   for (const TurnOf& turn : turns_of(axis)) {
-    const double count = std::round(way / turn.way);
-    const bool is_whole = count >= 1 && std::fabs(way - count * turn.way) <= 0.01 * turn.way;
+    const double count = std::round(distance / turn.distance);
+    const bool is_whole = count >= 1 && std::fabs(distance - count * turn.distance) <= 0.01 * turn.distance;
     if (!is_whole) continue;
     return count == 1 ? fmt::format("{} (one turn of {})", words, turn.what)
                       : fmt::format("{} ({:g} turns of {})", words, count, turn.what);
@@ -108,7 +108,7 @@ void RigReference::refuse_if_elsewhere(std::size_t axis, double told) {
       fmt::format("axis {} was left at {:.10g} {}, and its drive tells {:.10g}, {} {}: it has forgotten that "
                   "without power, or the axis was moved; {}",
                   in_quotes(of.name), rounded(left), unit, rounded(told),
-                  way_in_words(of, std::fabs(told - left)), told > left ? "more" : "less", remedy));
+                  distance_in_words(of, std::fabs(told - left)), told > left ? "more" : "less", remedy));
 }
 
 void RigReference::compare(const RigDrives& drives, std::span<const double> positions) {

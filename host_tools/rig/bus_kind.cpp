@@ -73,7 +73,7 @@ AxisWatch watch_of(const RigAxis& axis) {
                     .stop_acceleration = stop_acceleration_of(axis),
                     .max_following_error = follow.max_following_error,
                     .in_position = follow.in_position,
-                    .rest = rest_way_of(axis)});
+                    .rest = rest_distance_of(axis)});
 }
 
 BusShare share_of_bus(const RigFile& rig, const Bus& bus) {

@@ -321,7 +321,7 @@ SimulatedCia402Settings simulated_settings_of(const RigAxis& axis, double positi
     settings.objects = dictionary_of(eds, settings.node);
     const EdsObject* const window = eds.find(can::window_index, 0);
     if (window != nullptr && !window->value) {
-      constexpr double window_s = 0.1;  // the way at max_velocity
+      constexpr double window_s = 0.1;  // the distance at max_velocity
       settings.objects->set(
           can::window_index, 0,
           static_cast<std::uint32_t>(whole_counts(window_s * axis.max_velocity, drive.counts_per_unit)));

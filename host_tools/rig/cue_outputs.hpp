@@ -23,7 +23,7 @@
 
 namespace inbetween {
 
-/// The way of a playhead in a tick of the loop.
+/// The distance of a playhead in a tick of the loop.
 struct CuePassage {
   PlayheadPlace from, to;
   Repeat repeated = Repeat::none;

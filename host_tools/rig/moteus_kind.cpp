@@ -18,7 +18,7 @@ namespace {
 /// delay ends a shot.
 constexpr std::int64_t ticks_waited_for = 5;
 constexpr std::int64_t min_wait_ns = 50'000'000;
-/// Every frame is answered. What it goes on for when it is not heard is the way of three ticks.
+/// Every frame is answered. What it goes on for when it is not heard is the distance of three ticks.
 constexpr std::int64_t answers_waited_for = 3;
 constexpr std::int64_t min_answer_wait_ns = 10'000'000;
 

@@ -41,7 +41,7 @@ can::ServoSettings servo_settings_of(const RigAxis& axis, double turns_per_unit,
   settings.hold_tolerance_turns = std::max(noise_turns, hold_s * max_turns_per_s);
   settings.first_step_turns = std::max(1e-4, 0.5 * scale * axis.max_acceleration * tick_s * tick_s);
   settings.max_following_error_turns = scale * max_following_error;
-  settings.rest_turns = scale * rest_way_of(axis);  // the estimates of velocity are not used
+  settings.rest_turns = scale * rest_distance_of(axis);  // the estimates of velocity are not used
   settings.disable_timeout_ns += static_cast<std::int64_t>(2 * axis.max_velocity / axis.max_acceleration *
                                                            static_cast<double>(ns_per_s));
   settings.place_timeout_ns = std::max(settings.place_timeout_ns, 3 * ns_per_s / rate_hz);

@@ -17,7 +17,7 @@ namespace {
 
 /// A simulated limit switch is so far beyond the limit, as a share of the axis' travel.
 constexpr double limit_margin = 0.02;
-/// Simulated switches open so far before they closed, as a share of the way to back off.
+/// Simulated switches open so far before they closed, as a share of the distance to back off.
 constexpr double hysteresis_share = 0.25;
 
 /// An axis that finds its switch at `fast` is behind it by less than this when it stands.

@@ -422,7 +422,7 @@ std::optional<RigKinematics> read_rig_kinematics(const TomlTable& rig) {
   const TomlTable table(value->table(), "the kinematics", kinematics_fields);
   RigKinematics kinematics;
   kinematics.urdf = table.required("urdf", R"(urdf = "crane.urdf", say)").text();
-  const TomlValue tip = table.required("tip", R"(tip = "camera", the link whose way is of interest)");
+  const TomlValue tip = table.required("tip", R"(tip = "camera", the link whose path is of interest)");
   if (tip.node().is_array()) {
     for (const TomlValue& one : tip.list(max_rig_tips)) kinematics.tips.push_back({one.text(), one.place()});
   } else {
@@ -518,7 +518,7 @@ double stop_acceleration_of(const RigAxis& axis) {
   return axis.stop_acceleration.value_or(default_stop_ratio * axis.max_acceleration);
 }
 
-double rest_way_of(const RigAxis& axis) {
+double rest_distance_of(const RigAxis& axis) {
   constexpr double seconds = 0.05;
   constexpr double usual_steps_per_turn = 8'192;
   constexpr double velocity_share = 0.01;

@@ -174,7 +174,7 @@ struct Home {
   double fast = 0;      // unit/s, at most max_velocity
   double slow = 0;      // unit/s, below fast
   double back_off = 0;  // unit, above 0
-  double search = 0;    // unit, above 0: the longest way to the switch
+  double search = 0;    // unit, above 0: the longest distance to the switch
   double at = 0;        // position of the edge, unit
   Place place;
 };
@@ -229,14 +229,14 @@ struct RigAxis {
 /// The axis rests where it goes no further than this in 50 ms: two steps of its encoder, or what it covers at
 /// a hundredth of max_velocity, if stop_acceleration brings it to rest from there within a step. The encoder
 /// of a drive that counts turns is taken to have 8192 steps a turn where its protocol does not say.
-double rest_way_of(const RigAxis& axis);
+double rest_distance_of(const RigAxis& axis);
 /// `stop_acceleration`, or else 1.5 * max_acceleration.
 double stop_acceleration_of(const RigAxis& axis);
 /// How far an axis may be from a place and still be taken to be there: what it covers at max_velocity in half
 /// a millisecond, whatever its scale.
 double place_tolerance(const RigAxis& axis);
-/// How far from `at` it may rest once its drive has homed it: twice the way in which it brakes from `slow`
-/// more. 0 for an axis that its drive does not home.
+/// How far from `at` it may rest once its drive has homed it: twice the distance in which it brakes from
+/// `slow` more. 0 for an axis that its drive does not home.
 double home_tolerance(const RigAxis& axis);
 
 /// `axis "pan"`.
@@ -257,7 +257,7 @@ struct Output {
   Place place;
 };
 
-/// A link of the rig whose way in space is of interest.
+/// A link of the rig whose path in space is of interest.
 struct RigTip {
   std::string name;
   Place place;

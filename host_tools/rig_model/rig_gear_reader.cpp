@@ -102,7 +102,9 @@ AxisBacklash read_backlash(const TomlValue& value) {
   backlash.take_up_s = seconds.number(0, longest_s);
   if (!(backlash.take_up_s > 0)) seconds.refuse("is 0; write a number above 0");
   backlash.approach_is_up =
-      table.required("approach", R"(approach = "positive" or "negative", the way on which places are exact)")
+      table
+          .required("approach",
+                    R"(approach = "positive" or "negative", the direction in which places are exact)")
           .choice({"positive", "negative"}) == 0;
   return backlash;
 }

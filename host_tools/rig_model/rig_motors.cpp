@@ -14,7 +14,7 @@ namespace inbetween {
 namespace {
 
 /// What a take-up adds to the motor: up or down by the play, against the approach.
-double take_up_way(const RigAxis& axis) {
+double take_up_offset(const RigAxis& axis) {
   const bool motor_rises =
       !axis.calibration || axis.calibration->marks.back().motor > axis.calibration->marks.front().motor;
   return axis.backlash->approach_is_up == motor_rises ? -axis.backlash->play : axis.backlash->play;
@@ -26,7 +26,7 @@ AxisGear gear_of(const RigAxis& axis, std::int32_t rate_hz) {
   if (!axis.ganged.empty()) gear.max_skew = axis.max_skew;
   if (axis.backlash) {
     const Backlash backlash{
-        .distance = take_up_way(axis),
+        .distance = take_up_offset(axis),
         .approach_is_up = axis.backlash->approach_is_up,
         .ticks = std::max(static_cast<std::int32_t>(std::ceil(axis.backlash->take_up_s * rate_hz)), 1),
         .min_return = count_of(axis)};
@@ -70,8 +70,8 @@ RigAxis motor_of(const RigAxis& axis, const AxisMotor& motor) {
   std::tie(its.min, its.max) =
       std::minmax({motor_position(axis, motor, axis.min), motor_position(axis, motor, axis.max)});
   if (axis.backlash) {
-    const double way = take_up_way(axis);
-    (way < 0 ? its.min : its.max) += way;
+    const double offset = take_up_offset(axis);
+    (offset < 0 ? its.min : its.max) += offset;
   }
   if (!axis.motor_limits) return its;
   const MotorLimits& limits = *axis.motor_limits;

@@ -89,8 +89,8 @@ class GroupWriter {
       const bool is_whole = from == 0 && to == 1;
       const double per_frame = is_whole ? piece.inverse_frames : 1 / frames_between(first, last);
       add_piece(first, per_frame, [&](std::size_t axis) {
-        const PiecePolynomial way = distance_on_piece(trajectory, piece, axis);
-        PiecePolynomial c = is_whole ? way : part_of(way, from, to);
+        const PiecePolynomial whole = distance_on_piece(trajectory, piece, axis);
+        PiecePolynomial c = is_whole ? whole : part_of(whole, from, to);
         c[0] += trajectory.values()[piece.begin_row + axis];
         return c;
       });

@@ -39,7 +39,7 @@ max_count = 2700
 no_watchdog = "accepted"
 )";
 constexpr int ticks_per_s = 250;
-/// A look at the device, the way to the loop, and 20 deg/s at 2000 deg/s^2, which is 10 ms.
+/// A look at the device, the delay to the loop, and 20 deg/s at 2000 deg/s^2, which is 10 ms.
 constexpr int ticks_to_rest = 8;
 
 struct DeviceScene {

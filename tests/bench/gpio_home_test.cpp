@@ -1,4 +1,4 @@
-// `home` on the kernel's GPIO: with switches on the way of the motors, and with some that do not do what
+// `home` on the kernel's GPIO: with switches on the travel of the motors, and with some that do not do what
 // switches do.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -58,16 +58,16 @@ struct HomeScene : GpioScene {
                    .during = during}) {}
 
   /// Steps of a motor that go up, and those that go down.
-  struct Ways {
+  struct Counts {
     int up = 0;
     int down = 0;
   };
-  [[nodiscard]] Ways ways(unsigned step, unsigned dir) const {
-    Ways ways;
+  [[nodiscard]] Counts counts(unsigned step, unsigned dir) const {
+    Counts counts;
     for (std::size_t i = 1; i < record.size(); ++i) {
-      if (is_high(i, step) && !is_high(i - 1, step)) ++(is_high(i, dir) ? ways.up : ways.down);
+      if (is_high(i, step) && !is_high(i - 1, step)) ++(is_high(i, dir) ? counts.up : counts.down);
     }
-    return ways;
+    return counts;
   }
   /// Where the position file has an axis; not a number where it does not know.
   [[nodiscard]] double kept(const std::string& axis) const {
@@ -83,8 +83,8 @@ struct HomeScene : GpioScene {
     const std::vector<std::int64_t> y = rises(step_y);
     ASSERT_FALSE(x.empty());
     ASSERT_GT(y.size(), 20U);
-    EXPECT_EQ(ways(step_y, dir_y).up, 0);
-    EXPECT_LT(y.size(), 900U) << "y went to the end of its way";
+    EXPECT_EQ(counts(step_y, dir_y).up, 0);
+    EXPECT_LT(y.size(), 900U) << "y went to the end of its travel";
     // x failed when it had come to rest, within a stop of 200 ms and the times of its switch.
     EXPECT_GT(y.back(), x.back());
     EXPECT_LT(y.back(), x.back() + 500 * ms);
@@ -116,9 +116,10 @@ TEST(GpioHome, AxesThatFindTheirSwitchesKnowToTheStepWhereTheyAre) {
     int closes;
   };
   for (const Axis& axis : {Axis{"x", step_x, dir_x, switch_x}, Axis{"y", step_y, dir_y, switch_y}}) {
-    const HomeScene::Ways ways = scene.ways(axis.step, axis.dir);
-    EXPECT_GT(ways.up, 20) << "it backed off";
-    EXPECT_NEAR(scene.kept(axis.name) * steps_per_unit, ways.up - ways.down - axis.closes, 1) << axis.name;
+    const HomeScene::Counts counts = scene.counts(axis.step, axis.dir);
+    EXPECT_GT(counts.up, 20) << "it backed off";
+    EXPECT_NEAR(scene.kept(axis.name) * steps_per_unit, counts.up - counts.down - axis.closes, 1)
+        << axis.name;
   }
 }
 
@@ -127,7 +128,7 @@ TEST(GpioHome, ASwitchThatIsActuatedFromTheBeginningAndStaysSoStopsAllAxes) {
   const HomeScene scene("pull 6 up", "");
   EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch stays actuated although the axis has "
                                        "left it; see whether it sticks"));
-  const HomeScene::Ways x = scene.ways(step_x, dir_x);
+  const HomeScene::Counts x = scene.counts(step_x, dir_x);
   EXPECT_GT(x.up, 4 * 20) << "off the switch, by more than it may take to open";
   EXPECT_LT(x.up, 200);
   EXPECT_EQ(x.down, 0);
@@ -139,7 +140,7 @@ TEST(GpioHome, ASwitchThatDoesNotOpenAgainStopsAllAxes) {
   const HomeScene scene("", "pull 6 up");
   EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch stays actuated although the axis has "
                                        "left it; see whether it sticks"));
-  const HomeScene::Ways x = scene.ways(step_x, dir_x);
+  const HomeScene::Counts x = scene.counts(step_x, dir_x);
   EXPECT_GT(x.down, 50) << "to the switch";
   EXPECT_GT(x.up, 20) << "and off it";
   EXPECT_LT(x.up, 100);
@@ -147,14 +148,14 @@ TEST(GpioHome, ASwitchThatDoesNotOpenAgainStopsAllAxes) {
   scene.expect_off_and_lost();
 }
 
-TEST(GpioHome, ASwitchThatIsNotReachedInTheAllowedWayStopsAllAxes) {
+TEST(GpioHome, ASwitchThatIsNotReachedInTheAllowedDistanceStopsAllAxes) {
   std::string rig = rig_text;
   rig.replace(rig.find("back_off = 2 }"), 14, "back_off = 2, search = 20 }");
   const HomeScene scene("", "", rig);
   EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch was not reached within the distance to "
                                        "look for it; see whether its wire is broken"));
-  const HomeScene::Ways x = scene.ways(step_x, dir_x);
-  EXPECT_EQ(x.down, 200) << "the way that is allowed";
+  const HomeScene::Counts x = scene.counts(step_x, dir_x);
+  EXPECT_EQ(x.down, 200) << "the distance that is allowed";
   EXPECT_EQ(x.up, 0);
   scene.expect_y_was_stopped_with_x();
   scene.expect_off_and_lost();

@@ -47,7 +47,7 @@ void expect_moteus_at_rest(const BusScene& scene, const char* state = "stopped")
   }
 }
 /// The tick of its record in which an axis is at the beginning of the plan: it holds its place before the
-/// move. Both are compared where they have gone a hundredth of the way.
+/// move. Both are compared where they have gone a hundredth of the path.
 std::size_t begin_of_plan(const BusScene& scene, const std::string& axis, double scale) {
   const std::vector<double> planned = planned_positions(axis);
   const std::vector<double> applied = scene.applied(axis);

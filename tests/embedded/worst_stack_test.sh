@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# worst_stack.awk adds frames up along the deepest way, and refuses what has no bound.
+# worst_stack.awk adds frames up along the deepest path, and refuses what has no bound.
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 scratch=$(mktemp --directory)

@@ -73,9 +73,12 @@ class Comparison {
   }
   void expect_within(std::size_t d, double frame, const AxisMotion& motion) {
     const AxisPeaks& peaks = bounded_.peaks()[d];
-    const double way = 1e-9 * (peaks.highest.value - peaks.lowest.value) + 1e-12 * std::fabs(motion.position);
-    EXPECT_GE(motion.position, peaks.lowest.value - way) << "axis " << d << " at " << frame << '\n' << text_;
-    EXPECT_LE(motion.position, peaks.highest.value + way) << "axis " << d << " at " << frame << '\n' << text_;
+    const double rounding =
+        1e-9 * (peaks.highest.value - peaks.lowest.value) + 1e-12 * std::fabs(motion.position);
+    EXPECT_GE(motion.position, peaks.lowest.value - rounding) << "axis " << d << " at " << frame << '\n'
+                                                              << text_;
+    EXPECT_LE(motion.position, peaks.highest.value + rounding) << "axis " << d << " at " << frame << '\n'
+                                                               << text_;
     const MotionTriple here = magnitudes(motion);
     const auto most = peaks_of(peaks);
     for (std::size_t q = 0; q < here.size(); ++q) {

@@ -64,7 +64,7 @@ TEST(CalibrationProperty, TheCurveIsTheNaturalSplineAndComesBackToTheAxis) {
     const auto made = Calibration::make(marks, pieces);
     const oracle::MarkCurve curve = oracle_of(marks);
     const double size = std::fabs(marks.back().motor) + std::fabs(marks.front().motor);
-    const double way = high - low;
+    const double range = high - low;
     const double sign = marks.back().motor > marks.front().motor ? 1 : -1;
     if (!made) {
       RC_ASSERT(made.error().code == ErrorCode::no_solution);
@@ -81,23 +81,23 @@ TEST(CalibrationProperty, TheCurveIsTheNaturalSplineAndComesBackToTheAxis) {
       return;
     }
     long double steepest = 0, bend = 0, third = 0;
-    const double from = any_number(low - 0.1 * way, high);
-    const double to = any_number(from, high + 0.1 * way);
+    const double from = any_number(low - 0.1 * range, high);
+    const double to = any_number(from, high + 0.1 * range);
     for (int i = 0; i <= 200; ++i) {
       const double x = from + i / 200.0 * (to - from);
       const auto [value, first, second, jump] = curve.at(x);
       RC_ASSERT(std::fabs(made->motor_at(x) - static_cast<double>(value)) <= 1e-10 * size);
-      RC_ASSERT(std::fabs(made->slope_at(x).first - static_cast<double>(first)) <= 1e-9 * size / way);
+      RC_ASSERT(std::fabs(made->slope_at(x).first - static_cast<double>(first)) <= 1e-9 * size / range);
       RC_ASSERT(static_cast<double>(first) * sign > 0);
-      RC_ASSERT(std::fabs(made->axis_at(made->motor_at(x)) - x) <= 1e-9 * way);
+      RC_ASSERT(std::fabs(made->axis_at(made->motor_at(x)) - x) <= 1e-9 * range);
       steepest = std::max(steepest, std::fabs(first));
       bend = std::max(bend, std::fabs(second));
       third = std::max(third, std::fabs(jump));
     }
     const CalibrationSlope bounds = made->bounds(from, to);
     RC_ASSERT(bounds.first >= steepest * (1 - 1e-9L));
-    RC_ASSERT(bounds.second >= bend * (1 - 1e-9L) - 1e-9L * size / way / way);
-    RC_ASSERT(bounds.third >= third * (1 - 1e-9L) - 1e-9L * size / way / way / way);
+    RC_ASSERT(bounds.second >= bend * (1 - 1e-9L) - 1e-9L * size / range / range);
+    RC_ASSERT(bounds.third >= third * (1 - 1e-9L) - 1e-9L * size / range / range / range);
     RC_ASSERT(bounds.first <= steepest * 1.05L);
   });
 }
@@ -192,7 +192,7 @@ double slope_of(const Marks& marks) {
 }
 
 /// What the motor of an axis travels in the whole move and its rolls, if its curve were straight.
-double way_of(const Plan& plan, std::size_t d, const Marks& marks) {
+double range_of(const Plan& plan, std::size_t d, const Marks& marks) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   const auto take = [&](double position) {
     low = std::min(low, position);
@@ -235,7 +235,7 @@ TEST(CalibrationProperty, AMotorPlaysWhatItsCalibrationMakesOfTheAxis) {
     const double slope = std::fabs(slope_of(marks));
     for (const CalibrationMark& mark : {marks.front(), marks.back()})
       rounding += 1e-12 * (std::fabs(mark.motor) + slope * std::fabs(mark.axis));
-    RC_ASSERT(off[0] <= 2 * std::ldexp(way_of(*plan, d, marks), -30) + rounding);
+    RC_ASSERT(off[0] <= 2 * std::ldexp(range_of(*plan, d, marks), -30) + rounding);
     RC_ASSERT(off[1] <= 2e-6 * peaks[0] + 1e3 * rounding);
     RC_ASSERT(off[2] <= 1e-3 * peaks[1] + 1e6 * rounding);
     for (const int end : {first, last}) {

@@ -11,8 +11,8 @@
 #include "inbetween/steps/cue_timer.hpp"
 #include "tests/support/property.hpp"
 
-/// Pulses against an oracle that knows only the way of the playhead as a function of time, samples it, and
-/// keeps for each pulse whether it is armed.
+/// Pulses against an oracle that knows only the position of the playhead as a function of time, samples it,
+/// and keeps for each pulse whether it is armed.
 
 namespace inbetween {
 namespace cue_timer_property_test {
@@ -196,8 +196,8 @@ class Play {
   void move(std::int64_t length_ns) {
     // From an end there is nothing to play beyond it; and no tick is as long as half of the time line.
     if (place_ == (mode_ > 0 ? last_frame : 0)) {
-      const long double way = static_cast<long double>(length_ns) * 1e-9L * speed_ * fps_.numerator;
-      if (repeat_ == Repeat::none || way > last_frame / 4) mode_ = 0;
+      const long double pulse_frames = static_cast<long double>(length_ns) * 1e-9L * speed_ * fps_.numerator;
+      if (repeat_ == Repeat::none || pulse_frames > last_frame / 4) mode_ = 0;
     }
     const long double tick_s = static_cast<long double>(length_ns) * 1e-9L;
     const long double frames_per_s = static_cast<long double>(fps_.frames_per_second()) * speed_;

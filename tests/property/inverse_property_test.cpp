@@ -231,8 +231,8 @@ TEST(InverseProperty, DampedLeastSquaresFindsThePoseThatItBeganBesideAndGoesOnWi
     for (std::size_t i = 0; i < next.size(); ++i) next[i] += step * rates[i];
     const TipTarget moved = target_of(oracle.pose(chain.last(), next), 1);
     const auto along = [&](const Vector3& from, const Vector3& by) { return from + by * step; };
-    const Vector3 way = *moved.position - along(*target.position, *rate.position);
-    RC_ASSERT(std::sqrt(dot(way, way)) <= 1e-7);
+    const Vector3 gap = *moved.position - along(*target.position, *rate.position);
+    RC_ASSERT(std::sqrt(dot(gap, gap)) <= 1e-7);
     const Vector3 sight = along(*target.aim, *rate.aim) - *moved.position;
     const Vector3 off = cross(sight, *moved.aim - *moved.position);
     RC_ASSERT(std::sqrt(dot(off, off) / dot(sight, sight)) <= 1e-7);

@@ -159,27 +159,27 @@ TEST(KeyFramesProperty, SmoothCurvesMeetTheirKeysAreC2InTimeAndThoseOfAnIndepend
 }
 
 /// How a move goes from key to key, as its file says it.
-struct Way {
+struct Timing {
   const char* kinetic;
   Kinetic of_core = Kinetic::curves;
   bool pace = false;
 };
 
 TEST(KeyFramesProperty, OnEveryPathAndWithEveryKineticKeysAreMetOnTheirFrames) {
-  constexpr std::array ways = {Way{"curves"}, Way{"pace", Kinetic::linear, true},
-                               Way{"monotone", Kinetic::monotone}, Way{"linear", Kinetic::linear}};
+  constexpr std::array timings = {Timing{"curves"}, Timing{"pace", Kinetic::linear, true},
+                                  Timing{"monotone", Kinetic::monotone}, Timing{"linear", Kinetic::linear}};
   for (const Spline spline : {Spline::smooth, Spline::catmull_rom, Spline::tcb, Spline::linear}) {
-    for (const Way& way : ways) {
-      if (spline == Spline::linear && way.of_core == Kinetic::curves) continue;  // it has none
+    for (const Timing& timing : timings) {
+      if (spline == Spline::linear && timing.of_core == Kinetic::curves) continue;  // it has none
       double worst = 0;
       check_property(500, [&] {
         TimedMove move = random_timed_move(spline);
-        move.kinetic = way.of_core;
-        move.pace = way.pace;
+        move.kinetic = timing.of_core;
+        move.pace = timing.pace;
         worst = std::max(worst, worst_miss(move, move.solved()));
         RC_ASSERT(worst <= 1e-9);
       });
-      std::cout << "spline " << static_cast<int>(spline) << ", " << way.kinetic << ": at most " << worst
+      std::cout << "spline " << static_cast<int>(spline) << ", " << timing.kinetic << ": at most " << worst
                 << " of the range from a key\n";
     }
   }
@@ -391,7 +391,7 @@ TEST(KeyFramesProperty, APaceIsContinuousWhereTheDirectionOfThePathIs) {
     const int count = *rc::gen::inRange(3, 8);
     move.closed = *rc::gen::inRange(0, 4) == 0;
     move.frames = {0};
-    // Keys round a circle, with a shake: no corner and no way back.
+    // Keys round a circle, with a shake: no corner and no path back.
     for (int k = 0; k < count; ++k) {
       const double angle = (k + *rc::gen::inRange(-20, 21) / 100.0) * 6.28 / count;
       const double radius = *rc::gen::inRange(80, 121);
@@ -465,7 +465,7 @@ TEST(KeyFramesProperty, TheStepsOfMonotoneAndLinearAreThoseOfTheOracle) {
   });
 }
 
-/// With a drawn speed, on paths full of corners and ways back.
+/// With a drawn speed, on paths full of corners and paths back.
 TEST(KeyFramesProperty, CornersThatEaseDoNotStep) {
   int solved = 0;
   check_property(500, [&] {

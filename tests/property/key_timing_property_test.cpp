@@ -155,7 +155,7 @@ oracle::QuadraticProgram problem_of(const LockedMove& locked, int refinements) {
   for (std::size_t r = 0; r + 1 < distances.size(); ++r) {
     problem.targets.push_back((distances[r + 1] - distances[r]) / locked.path.total_length() * scale);
     if (problem.targets.back() > 0) continue;
-    for (std::size_t i = 0; i < problem.ceiling.size(); ++i) {  // no way, no speed
+    for (std::size_t i = 0; i < problem.ceiling.size(); ++i) {  // no distance, no speed
       if (problem.rows[r][i] > 0) problem.ceiling[i] = 0;
     }
   }

@@ -120,8 +120,8 @@ Miss miss_of(const Truth& truth, const Truth& fit) {
       miss.speed = std::max(miss.speed, std::fabs(static_cast<double>(fit.at(time).speed) - speed));
   }
   miss.speed /= peak;
-  const auto way = [](const std::vector<double>& p, const std::vector<double>& a,
-                      const std::vector<double>& b) {
+  const auto distance = [](const std::vector<double>& p, const std::vector<double>& a,
+                           const std::vector<double>& b) {
     const double x = b[0] - a[0];
     const double y = b[1] - a[1];
     const double square = x * x + y * y;
@@ -132,7 +132,8 @@ Miss miss_of(const Truth& truth, const Truth& fit) {
     double most = 0;
     for (const auto& point : points) {
       double least = std::numeric_limits<double>::infinity();
-      for (std::size_t i = 1; i < line.size(); ++i) least = std::min(least, way(point, line[i - 1], line[i]));
+      for (std::size_t i = 1; i < line.size(); ++i)
+        least = std::min(least, distance(point, line[i - 1], line[i]));
       most = std::max(most, least);
     }
     return most;

@@ -153,7 +153,7 @@ TEST(MoveBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPeak
       // Between keys the place on a frame is known to the fitted inverse of arc length, 1e-6 of the length.
       const bool is_whole = part.last - part.first == move.frames;
       const long double place = 1e-6L * length;
-      // What plays is within 2^-30 of the way of what is asked.
+      // What plays is within 2^-30 of the distance of what is asked.
       const long double fit = 1.5L / (1 << 30) * (axis.highest.value - axis.lowest.value + length);
       const long double rounding =
           1e-13L * scale + fit + (is_whole ? 0 : place * steepest_at_ends(ideal, part, d));

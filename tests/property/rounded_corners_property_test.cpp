@@ -140,7 +140,7 @@ oracle::OverlappingKeys oracle_keys(const CorneredMove& move, std::int32_t axis)
   return keys;
 }
 
-TEST(RoundedCornersProperty, OverlappingActionsAreTheStraightWaysConvolvedWithATriangleAndC2) {
+TEST(RoundedCornersProperty, OverlappingActionsAreTheStraightLinesConvolvedWithATriangleAndC2) {
   double worst = 0;
   check_property(500, [&] {
     const CorneredMove move = overlapping_move();

@@ -208,9 +208,9 @@ std::array<double, 3> tip_of(const RandomPoint& point, const double* joints) {
 }
 
 /// What the formula asks of every point, in fractions of a frame.
-class WantedWay {
+class WantedPath {
  public:
-  explicit WantedWay(const RandomRow& row) {
+  explicit WantedPath(const RandomRow& row) {
     for (std::size_t c = 0; c < xyz; ++c) coordinates_.push_back(formula_of(row, c));
   }
   [[nodiscard]] std::array<double, 3> at(std::size_t point, long double frame) const {
@@ -229,7 +229,7 @@ double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) 
 }
 
 /// An arm that the patch leads to the end of its reach may be refused.
-bool leads_out_of_reach(const RandomRow& row, const WantedWay& wanted) {
+bool leads_out_of_reach(const RandomRow& row, const WantedPath& wanted) {
   for (std::size_t p = 0; p < row.points.size(); ++p) {
     const RandomPoint& point = row.points[p];
     if (!point.is_arm) continue;
@@ -250,7 +250,7 @@ TEST(RowOfPointsProperty, EveryTipIsWhereTheFormulaHasItsPoint) {
     const RandomRow row = random_row();
     ++cases;
     RC_LOG() << move_of(row) << rig_of(row) << urdf_of(row);
-    const WantedWay wanted(row);
+    const WantedPath wanted(row);
     const RigFile rig = parse_rig(rig_of(row), "rig.toml");
     const auto joints = std::make_shared<const Kinematics>(parse_urdf(urdf_of(row), "r.urdf"), rig);
     std::optional<Plan> plan;
@@ -270,7 +270,7 @@ TEST(RowOfPointsProperty, EveryTipIsWhereTheFormulaHasItsPoint) {
       for (std::size_t p = 0; p < row.points.size(); ++p) {
         const double miss = distance(tip_of(row.points[p], first), wanted.at(p, i / 7 + i % 7 / 7.0));
         worst = std::max(worst, miss);
-        RC_ASSERT(miss <= plan->accuracy(0)->way_m + 1e-14);
+        RC_ASSERT(miss <= plan->accuracy(0)->off_m + 1e-14);
         RC_ASSERT(miss <= 1e-7);
         first += row.points[p].is_arm ? 2 : 3;
       }

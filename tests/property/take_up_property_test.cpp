@@ -24,21 +24,21 @@ double any_number(double low, double high) {
 }
 
 /// Swings, creeps, rests and trembles by less than a count.
-std::vector<double> any_way(double count) {
-  std::vector<double> way{any_number(-20, 20)};
+std::vector<double> any_motion(double count) {
+  std::vector<double> positions{any_number(-20, 20)};
   const int parts = *rc::gen::inRange(1, 20);
   for (int part = 0; part < parts; ++part) {
     const int ticks = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(1, 120));
     const double speed = any_number(-1, 1) * std::pow(10, any_number(-4, 1));
     const int kind = *rc::gen::inRange(0, 3);
-    const double from = way.back();
+    const double from = positions.back();
     for (int i = 1; i <= ticks; ++i) {
-      if (kind == 0) way.push_back(from);
-      if (kind == 1) way.push_back(from + speed * tick_s * i);
-      if (kind == 2) way.push_back(from + (i % 2 == 0 ? 0.9 : 0) * count);
+      if (kind == 0) positions.push_back(from);
+      if (kind == 1) positions.push_back(from + speed * tick_s * i);
+      if (kind == 2) positions.push_back(from + (i % 2 == 0 ? 0.9 : 0) * count);
     }
   }
-  return way;
+  return positions;
 }
 
 TEST(TakeUpProperty, ItStaysInsideItsPeaksAndTheLoadIsWhereTheAxisIs) {
@@ -51,13 +51,13 @@ TEST(TakeUpProperty, ItStaysInsideItsPeaksAndTheLoadIsWhereTheAxisIs) {
     TakeUp take_up({.distance = up ? -play : play, .approach_is_up = up, .ticks = ticks, .min_return = count},
                    tick_s);
     const auto [velocity, acceleration, jerk] = take_up_peaks(play, ticks * tick_s);
-    const std::vector<double> way = any_way(count);
+    const std::vector<double> positions = any_motion(count);
     // Mirrored where the approach is down: the gear of the oracle pushes upward.
     const double sign = up ? 1 : -1;
-    oracle::PlayedGear gear(play, sign * way.front());
+    oracle::PlayedGear gear(play, sign * positions.front());
     std::array<double, 4> last{};  // the newest first
     bool was_under_way = false;
-    for (const double position : way) {
+    for (const double position : positions) {
       const Setpoint more = take_up.follow(position);
       std::copy_backward(last.begin(), last.end() - 1, last.end());
       last[0] = more.position;

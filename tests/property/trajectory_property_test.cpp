@@ -79,7 +79,7 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
         RC_ASSERT(std::fabs(played[d].position - asked[d].position) <=
                   1.5 * travel / (1 << 30) + 2 * p_noise);
         const double weight = fitted.sampler().weight(d);
-        // A way of less than a millionth in a frame is as good as a rest.
+        // A distance of less than a millionth in a frame is as good as a rest.
         const double least = 1e-6 * travel * track.frame_rate().frames_per_second();
         const double share = weight > 0 ? std::max(speed.speed / weight, least) : peaks[d].velocity.value;
         RC_ASSERT(std::fabs(played[d].velocity - asked[d].velocity) <= 1.05e-6 * share + v_noise);

@@ -114,9 +114,9 @@ TEST(TrajectoryTableProperty, SaysWhatPlaysOnEveryTick) {
   EXPECT_GT(parts, 20);
 }
 
-/// Rate, change and jerk of time `t` seconds into a stop, and the way in seconds of the move.
+/// Rate, change and jerk of time `t` seconds into a stop, and how far it went, in seconds of the move.
 struct StopState {
-  double rate, change, jerk, way;
+  double rate, change, jerk, moved_s;
 };
 StopState state_of(const TableStop& stop, double t) {
   const double most = 1 / (stop.jerk_s + stop.steady_s);
@@ -153,7 +153,7 @@ TEST(TrajectoryTableProperty, EveryStopKeepsTheStopLimits) {
         const StopState at = state_of(stop, stop.seconds() * k / 200);
         RC_ASSERT(at.rate <= 1 + 1e-12);
         RC_ASSERT(at.rate >= -1e-12);
-        const FrameTime time = moved_by({move.first_frame(), 0}, share * frames + at.way * fps);
+        const FrameTime time = moved_by({move.first_frame(), 0}, share * frames + at.moved_s * fps);
         plan.motion().motion(time, motion);
         for (std::size_t d = 0; d < motion.size(); ++d) {
           const AxisLimits& limits = plan.limits()[d];
@@ -228,7 +228,7 @@ TEST(TrajectoryTableProperty, ACompilerOfCMakesAPlayerThatSendsTheCountsOfARun) 
       FrameTime time = move.time_of_tick(static_cast<std::int64_t>(tick), table.rate_hz);
       if (tick >= press) {
         const double t = std::min(static_cast<double>(tick - press) / table.rate_hz, stop.seconds());
-        time = moved_by(from, state_of(stop, t).way * move.frame_rate().frames_per_second());
+        time = moved_by(from, state_of(stop, t).moved_s * move.frame_rate().frames_per_second());
       }
       const std::vector<double> exact = positions_of(table, time);
       for (std::size_t i = 0; i < exact.size(); ++i) {

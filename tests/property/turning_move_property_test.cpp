@@ -231,8 +231,8 @@ TEST(TurningMoveProperty, ARestInsideASegmentIsBoundedByItsMotionOverTime) {
     const oracle::Path path(line.keys);
     std::vector<oracle::MetKey> met;
     const auto meet = [&](oracle::MetKey place) {
-      const long double way = path.travelled({0, 0}, {place.key, place.t});
-      const std::optional<int> knot = rest_at(values, way / path.total_length());
+      const long double distance = path.travelled({0, 0}, {place.key, place.t});
+      const std::optional<int> knot = rest_at(values, distance / path.total_length());
       if (!knot) return false;
       place.alpha = *knot;
       met.push_back(place);

@@ -65,7 +65,7 @@ struct Suspended final : public LoopTask {
   [[nodiscard]] RunSnapshot snapshot() const override { return transport.snapshot(); }
 };
 
-/// Where the axis came to rest, after a tick of `for_ns` in the middle of its way from 2 to 14.
+/// Where the axis came to rest, after a tick of `for_ns` in the middle of its travel from 2 to 14.
 double end_after(std::int64_t for_ns, bool& has_lost_time) {
   const Plan plan(parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {});
   RigReference reference(*plan.rig());

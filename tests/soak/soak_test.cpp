@@ -63,7 +63,7 @@ std::string rig_of_sixteen() {
                    .more = bus_can0 + "[bus.can1]\nbitrate = 1000000\n[bus.can2]\nbitrate = 1000000\n"});
 }
 
-/// There and back in ten seconds, each axis a way of its own.
+/// There and back in ten seconds, each axis a distance of its own.
 std::string move_of_sixteen() {
   std::string names, there, back;
   for (int i = 0; i < axes; ++i) {

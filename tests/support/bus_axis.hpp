@@ -149,11 +149,11 @@ class BusAxis {
   }
   /// A tick in a motion with its velocity, `s` seconds after it began: there and back, at rest at both ends.
   [[nodiscard]] Setpoint swing(double s) const {
-    constexpr double way = 5;
+    constexpr double distance = 5;
     constexpr double pi = 3.14159265358979323846;
     const double omega = 2 * pi / swing_s;
-    return {.position = from + way * (1 - std::cos(omega * s)),
-            .velocity = way * omega * std::sin(omega * s)};
+    return {.position = from + distance * (1 - std::cos(omega * s)),
+            .velocity = distance * omega * std::sin(omega * s)};
   }
   static constexpr double swing_s = 2;
 

@@ -173,7 +173,7 @@ void BusScene::expect_plan(const std::string& axis, double scale, double resolut
   const std::vector<double> given = applied(axis);
   ASSERT_GT(given.size(), planned.size());
   EXPECT_THAT(emergencies(axis), testing::IsEmpty());
-  // It holds its place before the move: aligned by where both have gone a hundredth of the way.
+  // It holds its place before the move: aligned by where both have gone a hundredth of the path.
   const double far = 0.01 * std::fabs(planned.back() - planned.front());
   std::size_t first = 0, first_planned = 0;
   while (std::fabs(given[first] - given.front()) < far * std::fabs(scale)) ++first;

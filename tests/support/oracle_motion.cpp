@@ -99,9 +99,9 @@ long double IdealMotion::half_slope_of_squared_speed(int i, long double t) const
   return sum;
 }
 
-/// One Gauss rule over a short way on which the speed changes by less than a tenth: its complex zeros are
-/// then more than two widths away, and the rule is exact to 1e-15. A longer way may hide a bend between the
-/// three places.
+/// One Gauss rule over a short distance on which the speed changes by less than a tenth: its complex zeros
+/// are then more than two widths away, and the rule is exact to 1e-15. A longer way may hide a bend between
+/// the three places.
 long double IdealMotion::length(int i, long double from, long double to) const {
   if (std::fabs(to - from) > 0.02L) return path_.length(i, from, to);
   const std::array speeds = {speed(i, from), speed(i, from + (to - from) / 2), speed(i, to)};

@@ -1,4 +1,4 @@
-// Straight ways whose actions overlap, by convolution: an independent solution (Tuori 1977).
+// Straight lines whose actions overlap, by convolution: an independent solution (Tuori 1977).
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ struct OverlappingKeys {
   bool is_ring = false;
 };
 
-/// The position at a frame: the straight ways, extended beyond both ends, with every change of velocity
+/// The position at a frame: the straight lines, extended beyond both ends, with every change of velocity
 /// convolved with a triangle as wide as the overlap of its key, by quadrature. An action from rest begins
 /// half an overlap later, and one to rest ends so much earlier.
 long double overlapped_position(const OverlappingKeys& keys, long double frame);

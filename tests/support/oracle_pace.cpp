@@ -175,9 +175,9 @@ std::vector<long double> smoothest(const PaceProblem& problem) {
   Matrix integrals;
   Vector targets;
   for (std::size_t k = 1; k < problem.distances.size(); ++k) {
-    const long double way = problem.distances[k] - problem.distances[k - 1];
-    if (way == 0) continue;  // only values that are 0 count there
-    targets.push_back(way / problem.distances.back() * problem.spans);
+    const long double distance = problem.distances[k] - problem.distances[k - 1];
+    if (distance == 0) continue;  // only values that are 0 count there
+    targets.push_back(distance / problem.distances.back() * problem.spans);
     integrals.push_back(all_integrals[k - 1]);
   }
   Matrix weighted;

@@ -28,7 +28,7 @@ long double norm(const std::vector<long double>& weights, const auto& component)
   return std::sqrt(sum);
 }
 
-/// Gauss's rule of three points: on a hundredth of the way to the next singularity exact to 1e-12.
+/// Gauss's rule of three points: on a hundredth of the distance to the next singularity exact to 1e-12.
 long double short_integral(const auto& integrand, long double from, long double to) {
   const long double middle = from + (to - from) / 2;
   const long double half = (to - from) / 2;

@@ -48,7 +48,7 @@ class RestingMotion {
   bool passes_standstill() const { return passes_standstill_; }
 
   /// The largest values found on the open stretches between keys, knots of the curve and the places where the
-  /// path is slowest. Every stretch is searched from both of its ends, in steps of 1.5 % of the way from
+  /// path is slowest. Every stretch is searched from both of its ends, in steps of 1.5 % of the distance from
   /// there, beginning with 1e-12 of it: a peak beside a rest or a near-cusp is as wide as it is far away.
   /// 1 850 samples from every end.
   std::vector<RestPeaks> peaks();

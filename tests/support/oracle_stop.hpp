@@ -1,5 +1,5 @@
 // The playhead as the rule of stop_bounds.hpp describes it, in small steps of time: what may be asked of the
-// axes on any way through the permitted states. It plans nothing ahead.
+// axes on any path through the permitted states. It plans nothing ahead.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace inbetween::oracle {
 
-/// Seconds of the time line from frame 0, and along the way of travel: rate >= 0 and its change.
+/// Seconds of the time line from frame 0, and in the direction of travel: rate >= 0 and its change.
 struct PlayheadState {
   double u = 0;
   double rate = 0;

@@ -43,8 +43,8 @@ inline Setpoint random_next(const Setpoint& at, const StepSpec& spec) {
   const double slowness = *rc::gen::inRange(0, 3) == 0 ? 0.02 : 1;
   const double velocity = slowness * between(-speed, speed);
   const double acceleration = slowness * between(-speed, speed) * 3 / seconds;
-  const double way = seconds * ((at.velocity + velocity) / 2 + slowness * between(-speed, speed) / 5);
-  return {at.position + way, velocity, acceleration};
+  const double travel = seconds * ((at.velocity + velocity) / 2 + slowness * between(-speed, speed) / 5);
+  return {at.position + travel, velocity, acceleration};
 }
 
 }  // namespace inbetween

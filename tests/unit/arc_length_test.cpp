@@ -215,47 +215,47 @@ TEST(ArcLength, TheNumberOfBucketsChangesNoPoint) {
 }
 
 /// With a cusp, where the pieces take roots and crowd, and with both ends.
-TEST(ArcLength, ManyWaysAtOnceLeadToTheSameBitsAsEachByItself) {
+TEST(ArcLength, ManyDistancesAtOnceLeadToTheSameBitsAsEachByItself) {
   const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
   for (const double share : {-0.1, 0.0, 0.3, 0.999}) {
     const TwoSum begin{share * path->total(), 1e-17 * path->total()};
-    std::vector<double> ways(1500);
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      ways[i] = path->total() * (1.2 * static_cast<double>(i) / static_cast<double>(ways.size()));
+    std::vector<double> distances(1500);
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      distances[i] = path->total() * (1.2 * static_cast<double>(i) / static_cast<double>(distances.size()));
     }
     for (const bool rise : {true, false}) {
-      if (!rise) std::swap(ways[700], ways[703]);  // they need not
-      std::vector<PathPoint> points(ways.size());
-      const bool in_order = path->locate(begin, ways, points);
+      if (!rise) std::swap(distances[700], distances[703]);  // they need not
+      std::vector<PathPoint> points(distances.size());
+      const bool in_order = path->locate(begin, distances, points);
       EXPECT_EQ(in_order, rise || points[700] == points[703]) << share;
-      for (std::size_t i = 0; i < ways.size(); ++i) {
-        EXPECT_EQ(points[i], path->locate(begin, ways[i])) << share << ", way " << i;
+      for (std::size_t i = 0; i < distances.size(); ++i) {
+        EXPECT_EQ(points[i], path->locate(begin, distances[i])) << share << ", distance " << i;
         TwoSum distance = begin;
-        distance.add(ways[i]);
+        distance.add(distances[i]);
         EXPECT_NEAR(path.distance(points[i]), path.distance(path->locate(distance)), 1e-14 * path->total());
       }
     }
   }
 }
 
-/// Ways a few roundings apart, of which some lead back by a rounding of t: alone in their four, as the first
-/// and the last of them, and behind them.
+/// Distances a few roundings apart, of which some lead back by a rounding of t: alone in their four, as the
+/// first and the last of them, and behind them.
 TEST(ArcLength, PointsThatRoundingPutsOutOfOrderAreToldOf) {
   const MeasuredPath path({.spline = Spline::catmull_rom, .axis_count = 2, .keys = cusp_keys});
-  std::vector<double> ways(7);
-  std::vector<PathPoint> points(ways.size());
+  std::vector<double> distances(7);
+  std::vector<PathPoint> points(distances.size());
   std::array<int, 7> falls{};  // how often the point at this place was before the one in front of it
   for (int i = 1; i < 20'000; ++i) {
-    double way = 0.3 * path->total() * i / 20'000;
-    for (double& next : ways) next = way = std::nextafter(way, path->total());
-    const bool in_order = path->locate({0.1 * path->total(), 0}, ways, points);
+    double distance = 0.3 * path->total() * i / 20'000;
+    for (double& next : distances) next = distance = std::nextafter(distance, path->total());
+    const bool in_order = path->locate({0.1 * path->total(), 0}, distances, points);
     bool are_in_order = true;
     for (std::size_t k = 1; k < points.size(); ++k) {
       if (points[k - 1].at_or_before(points[k])) continue;
       are_in_order = false;
       ++falls[k];
     }
-    ASSERT_TRUE(are_in_order || !in_order) << "from way " << i;
+    ASSERT_TRUE(are_in_order || !in_order) << "from distance " << i;
   }
   for (std::size_t k = 1; k < falls.size(); ++k) EXPECT_GT(falls[k], 0) << "at place " << k;
 }

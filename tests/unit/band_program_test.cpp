@@ -79,13 +79,13 @@ TEST(BandProgram, WhatContradictsIsRefused) {
   EXPECT_FALSE(solve(program));
 }
 
-TEST(BandProgram, AnEaseIsTakenWhereItIsCheaperThanTheWay) {
+TEST(BandProgram, AnEaseIsTakenWhereItIsCheaperThanTheDistance) {
   for (const double price : {1.0, 20.0}) {
     BandProgram program = nearest_to(0, 0);
     program.allow_ease(price, 0.002);
     program.demand_at_least(x, 2, true);
     ASSERT_TRUE(solve(program));
-    // x of the way costs x^2 / 2, and the rest is eased: x = price + 0.002 (2 - x)
+    // x of the distance costs x^2 / 2, and the rest is eased: x = price + 0.002 (2 - x)
     const double wanted = std::min(2.0, (price + 0.004) / 1.002);
     EXPECT_NEAR(program.value(x), wanted, 1e-8);
     EXPECT_NEAR(program.ease(), 2 - wanted, 1e-8);

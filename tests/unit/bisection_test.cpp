@@ -7,7 +7,7 @@
 
 #include "inbetween/timing/speed_profile.hpp"
 
-/// The quick search for a zero against the plain one, on ways along a speed curve.
+/// The quick search for a zero against the plain one, on distances along a speed curve.
 
 namespace inbetween {
 namespace bisection_test {
@@ -17,10 +17,10 @@ struct Calls {
   int quick = 0;
 };
 
-/// Both searches for the place at which a way along the span is reached.
-void expect_same_bits(const SpeedSpan& span, double way, double begin, Calls& calls) {
+/// Both searches for the place at which a distance along the span is reached.
+void expect_same_bits(const SpeedSpan& span, double distance, double begin, Calls& calls) {
   constexpr int halvings = std::numeric_limits<double>::digits + 8;
-  const auto value = [&](double x) { return span.integral(x) - way; };
+  const auto value = [&](double x) { return span.integral(x) - distance; };
   const auto is_below = [](double missing) { return !(missing > 0); };
   const auto plain = bisected({begin, 1}, halvings, [&](double x) {
     ++calls.plain;

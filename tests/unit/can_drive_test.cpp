@@ -38,7 +38,7 @@ Cia402Settings settings_of(int number) {
 TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
   using enum DrivePhase;
   using Event = DriveEvent;
-  const std::map<DrivePhase, std::map<Event, DrivePhase>> ways{
+  const std::map<DrivePhase, std::map<Event, DrivePhase>> transitions{
       {off, {{Event::connect, booting}}},
       {booting, {{Event::booted, configuring}, {Event::timed_out, refused}, {Event::disable, off}}},
       {configuring,
@@ -84,15 +84,15 @@ TEST(DrivePhase, EveryPhaseTimesEveryEvent) {
       {refused, {{Event::connect, booting}, {Event::disable, disabling}}},
       {gone, {{Event::connect, booting}, {Event::disable, disabling}}},
   };
-  ASSERT_EQ(ways.size(), drive_phases);
-  for (const auto& [phase, ways_out] : ways) {
+  ASSERT_EQ(transitions.size(), drive_phases);
+  for (const auto& [phase, next_of] : transitions) {
     for (std::size_t e = 0; e < drive_events; ++e) {
       const auto event = static_cast<Event>(e);
       const DriveStep step = next_phase(phase, event);
-      const bool leads_on = ways_out.contains(event);
+      const bool leads_on = next_of.contains(event);
       const bool is_start = event == Event::connect || event == Event::enable || event == Event::leave;
       const DrivePhase otherwise = event == Event::disconnect ? off : phase;
-      EXPECT_EQ(step.phase, leads_on ? ways_out.at(event) : otherwise)
+      EXPECT_EQ(step.phase, leads_on ? next_of.at(event) : otherwise)
           << "phase " << static_cast<int>(phase) << ", event " << e;
       EXPECT_EQ(step.is_refused, is_start && !leads_on)
           << "phase " << static_cast<int>(phase) << ", event " << e;

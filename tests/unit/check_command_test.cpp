@@ -348,7 +348,7 @@ TEST(CheckCommand, FitThatFindsNothingSaysWhyAndWritesNothing) {
   const std::string fitted = (folder.path() / "fitted.toml").string();
   const ProgramRun run = check_text(reveal_in(48), {"--fit", fitted, "--json", "-"});
   EXPECT_EQ(run.status, 3);
-  EXPECT_THAT(run.err, HasSubstr("no speed curve was found for 48 frames: the way takes at least"));
+  EXPECT_THAT(run.err, HasSubstr("no speed curve was found for 48 frames: the path takes at least"));
   EXPECT_THAT(run.err, HasSubstr("the curve as it is fits in 169 frames"));
   EXPECT_TRUE(fs::is_empty(folder.path()));
   const Json json = Json::parse(run.out);

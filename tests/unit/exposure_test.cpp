@@ -179,9 +179,9 @@ TEST(Exposure, PlayedFromBeyondAnEndTheMoveBeginsOnThatEnd) {
         ++beyond;
         Playhead played = playhead;
         RecordedPlay watch = record;
-        const bool has_way = direction == Direction::forward || repeat == Repeat::ping_pong;
-        ASSERT_EQ(played.play(direction).has_value(), has_way);
-        if (!has_way) {
+        const bool has_frames = direction == Direction::forward || repeat == Repeat::ping_pong;
+        ASSERT_EQ(played.play(direction).has_value(), has_frames);
+        if (!has_frames) {
           ASSERT_EQ(played.time(), playhead.time());
           ASSERT_EQ(played.state(), playhead.state());
           continue;

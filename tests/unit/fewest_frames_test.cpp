@@ -29,7 +29,7 @@ const std::string rests = "speed = [0, 0, 1, 0, 0]\n";
 const std::string moves = "speed = [1, 1]\n";
 const std::string line = "keys = [ { at = [0, 5] }, { at = [100, 5] } ]\n";
 
-TEST(FewestFrames, AWayAtFullVelocity) {
+TEST(FewestFrames, ADistanceAtFullVelocity) {
   const FewestFrames least = fewest_frames(plan_of(line + moves, 20, 1e6));
   EXPECT_EQ(least.frames, 50) << "100 mm at 20 mm/s are 5 s";
   EXPECT_EQ(least.axis, 0U);
@@ -98,7 +98,7 @@ TEST(ShortestStretch, IsTheOneThatMissesTheLargestShareOfItsFrames) {
   EXPECT_EQ(late->end_key, 2);
 }
 
-TEST(ShortestStretch, AHoldIsARestAndTakesItsFramesFromTheWayBehindIt) {
+TEST(ShortestStretch, AHoldIsARestAndTakesItsFramesFromThePathBehindIt) {
   EXPECT_FALSE(is_short(three_keys(", frame = 61, hold = 79") + moves));
   const std::optional<ShortStretch> before = shortest_of(three_keys(", frame = 59, hold = 79") + moves);
   ASSERT_TRUE(before.has_value());

@@ -231,7 +231,7 @@ TEST(FrameRange, APlayedPartIsTheWholeMoveRowForRow) {
   EXPECT_NE(part[10 * pre_roll - 30], whole[770]) << "on the pre-roll";
 }
 
-TEST(FrameRange, TheWayToThePartIsAgreedToOrTheRigStays) {
+TEST(FrameRange, TheTransitToThePartIsAgreedToOrTheRigStays) {
   const std::vector<std::string> elsewhere{"--sim", "--fast", "--frames", "80..120", "--from", "slide=60"};
   const ProgramRun refused = program("run", elsewhere);
   EXPECT_EQ(refused.status, 1);

@@ -44,7 +44,7 @@ TEST(FreeAxis, GoesFromRestToRestInTheShortestTime) {
 }
 
 /// 8 mm with four bends of t seconds: 2 j t^3.
-TEST(FreeAxis, AShortWayHasFourBendsAndNothingElse) {
+TEST(FreeAxis, AShortDistanceHasFourBendsAndNothingElse) {
   FreeAxis axis = axis_at(100);
   ASSERT_TRUE(axis.go_to(92));
   const double seconds = 4 * std::cbrt(8.0 / (2 * 800));

@@ -23,7 +23,7 @@ using testing::Not;
 using testing::StartsWith;
 
 /// The example on its rig with somebody before the screen. No axis may be faster than a tenth of its limit on
-/// a way that was asked for.
+/// a distance that was asked for.
 struct Desk {
   Plan plan{read_move_file(in_checkout("examples/reveal.toml")),
             read_rig_file(in_checkout("examples/camera_rig.toml")),

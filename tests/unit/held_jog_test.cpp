@@ -341,7 +341,7 @@ TEST(HeldJog, OfADeviceThatIsUnpluggedRests) {
   pipe.key(KEY_RIGHT, 1);
   screen.wait_for("stops in ");
   pipe.unplug();
-  screen.wait_for("  reach 500  step 3: 0.2\n");  // without a way to stop
+  screen.wait_for("  reach 500  step 3: 0.2\n");  // without a distance to stop
   screen.wait_for("the device is gone");
   screen.press("q");
   EXPECT_EQ(screen.wait_for_exit(), 0);

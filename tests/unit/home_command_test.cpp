@@ -248,7 +248,7 @@ TEST(RigHoming, AnEmergencyStopEndsIt) {
   EXPECT_LT(bench.ticks, 105);
 }
 
-// The whole way: drives that make steps, switches that follow the shafts, and edges with times.
+// From end to end: drives that make steps, switches that follow the shafts, and edges with times.
 TEST(RigHoming, OnTheLinesOfARigEveryAxisKnowsWhereItsShaftIs) {
   const RigFile rig = parse_rig(slider, "rig.toml");
   const std::vector<double> truly{310, 0, -40};
@@ -316,7 +316,7 @@ TEST(Home, AnAxisWithAParkGoesThereSlowlyOnceAllAreHome) {
   bench.rig.axes[0].park.reset();
   EXPECT_EQ(bench.home().reason, "the axes are home");
   // From its switch at -5, at 12 mm/s, a tenth of its velocity.
-  EXPECT_GT(with_park - bench.ticks, 100 / 12.0 * 250) << "no faster than any slow way";
+  EXPECT_GT(with_park - bench.ticks, 100 / 12.0 * 250) << "no faster than any transit";
 }
 
 TEST(Home, AStopOnTheWayToItsParkIsSaidAndTheAxisIsHome) {

@@ -72,7 +72,7 @@ TEST(Homing, BothDirectionsAndBothLevels) {
 }
 
 /// Behind it the axis goes further than it may look for it: while it stops, and on the slow approach.
-TEST(Homing, ASwitchAtTheVeryEndOfTheWayToLookForItIsFound) {
+TEST(Homing, ASwitchAtTheVeryEndOfTheDistanceToLookForItIsFound) {
   LostAxis lost = slide();
   lost.spec.search = 30.02;
   lost.spec.leave = 0.01;

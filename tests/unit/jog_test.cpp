@@ -423,7 +423,7 @@ TEST(Jog, AStepIsNeverLessThanACountOfTheDriveAndTheScreenSaysSo) {
   EXPECT_THAT(coarse, testing::Not(HasSubstr("count")));
 }
 
-// A focus ring: where the motor turns little for its way, a count is a longer way than elsewhere.
+// A focus ring: where the motor turns little for its travel, a count is a longer travel than elsewhere.
 TEST(Jog, AStepOfACalibratedAxisMovesItsMotorByACountWhereverItIs) {
   const std::vector<CalibrationMark> marks{{0, 100}, {10, 60}, {20, 40}, {40, 20}, {100, 0}};
   const CalibrationCurve curve(marks);
@@ -721,8 +721,8 @@ TEST(Jog, AnAxisOutsideItsLimitsStandsStillUntilAKeyIsPressedAndComesInSlowly) {
     const std::string in = stands < 0 ? right : left;
     const std::string out = stands < 0 ? left : right;
     for (const std::string& key : {std::string(), out, in}) {
-      const double way = key == in ? increment : 0;
-      SCOPED_TRACE(testing::Message() << stands << ", then " << way);
+      const double travel = key == in ? increment : 0;
+      SCOPED_TRACE(testing::Message() << stands << ", then " << travel);
       RigReference reference(rig, (folder.path() / "positions").string());
       JogOptions options{.session = {.simulated = true, .fast = true, .standing = {{"slide", stands}}}};
       options.share = 1;
@@ -738,14 +738,14 @@ TEST(Jog, AnAxisOutsideItsLimitsStandsStillUntilAKeyIsPressedAndComesInSlowly) {
       const std::vector<double> places = places_of(*options.session.record);
       ASSERT_GT(places.size(), 400U);
       EXPECT_NEAR(places.front(), stands, count);
-      EXPECT_NEAR(places.back(), stands + inwards * way, 2 * count);
+      EXPECT_NEAR(places.back(), stands + inwards * travel, 2 * count);
       double fastest = 0;
       for (std::size_t i = 1; i < places.size(); ++i) {
         const double step = inwards * (places[i] - places[i - 1]);
         ASSERT_GE(step, -count) << "no further out";
         fastest = std::max(fastest, step);
       }
-      EXPECT_LE(fastest, way > 0 ? max_step + count : count);
+      EXPECT_LE(fastest, travel > 0 ? max_step + count : count);
     }
   }
 }

@@ -117,7 +117,7 @@ TEST(KeyPositions, WithoutARigAnAxisCountsInTheUnitOfItsKeys) {
   EXPECT_THAT(refused.err, HasSubstr("in the unit of the rig, which is not known"));
 }
 
-/// The oracle: of all positions that show the direction, a way is so many turns from the nearest.
+/// The oracle: of all positions that show the direction, a `way` is so many turns from the nearest.
 TEST(KeyPositions, ARotaryAxisGoesTheShortWayTheLongWayOrSoManyTurns) {
   struct Case {
     double from, to;

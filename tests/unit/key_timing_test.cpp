@@ -58,7 +58,7 @@ void expect_refused(const Requests& requests, ErrorCode code, std::int32_t key, 
   EXPECT_STRNE(result.error().remedy, "");
 }
 
-/// The share of the way that has been gone on a frame.
+/// The share of the path that has been gone on a frame.
 double share(const std::vector<double>& values, std::int32_t frame, std::int32_t frames) {
   const oracle::Profile profile(values);
   const auto f = static_cast<long double>(profile.spans());
@@ -107,7 +107,7 @@ TEST(QuadraticProgramOracle, RefinementKeepsTheCurve) {
 
 // --- a periodic curve
 
-/// Eight spans in 64 frames, with keys on these frames. The stretch behind each takes this much of the way.
+/// Eight spans in 64 frames, with keys on these frames. The stretch behind each takes this much of the path.
 /// Adjusts the curve as it is with each key as its seam, where that key lies on a span.
 void expect_same_at_every_seam(const std::array<std::int32_t, 3>& frames, int eased) {
   const std::vector<double> drawn = {9, 4, 6, 12, 15, 7, 5, 8};
@@ -243,7 +243,7 @@ TEST(KeyTiming, APathWithoutLengthLeavesTheCurveAsDrawn) {
   EXPECT_EQ(adjusted(requests), requests.speed);
 }
 
-/// Keys evenly along the way, each on a frame that is a little off the even one.
+/// Keys evenly along the path, each on a frame that is a little off the even one.
 struct ManyLocks {
   std::vector<double> distances;
   std::vector<KeyLock> locks;
@@ -344,7 +344,7 @@ TEST(KeyTiming, RequestsThatContradictEachOtherNameKeyAndFrame) {
 }
 
 TEST(KeyTiming, AKeyThatNoCurveMeetsIsRefusedWithItsKey) {
-  // From 0 to 100: the first 2 frames of 240 cannot cover 60 % of the way.
+  // From 0 to 100: the first 2 frames of 240 cannot cover 60 % of the path.
   expect_refused({.speed = {10, 10, 10, 10}, .locks = {{.key = 3, .frame = 2}}}, ErrorCode::no_solution, 3,
                  2);
 }
@@ -462,8 +462,8 @@ TEST(Hold, TheFirstAndTheLastKeyMayBeHeldToo) {
 // --- end to end
 
 TEST(KeyTiming, AHoldWithoutAFrameArrivesBetweenTheLockedKeysBesideIt) {
-  // Drawn evenly: keys at 0, 25, 50, 75, 100 of the way. Key 1 is locked late and held, key 3 is locked later
-  // still.
+  // Drawn evenly: keys at 0, 25, 50, 75, 100 of the path. Key 1 is locked late and held, key 3 is locked
+  // later still.
   const auto storage = std::make_unique<Storage>();
   const std::vector<double> distances{0, 25, 50, 75, 100};
   const std::vector<double> speed{10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10, 10};

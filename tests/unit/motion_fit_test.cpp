@@ -80,9 +80,9 @@ TEST(MotionFit, AHandThatStartsAndStopsAtOnceStillRestsAtItsEnds) {
       .times = {}, .positions = {}, .tolerances = {2, 2}, .weights = {1, 1}, .frames_per_second = 24};
   for (int i = 0; i <= 120; ++i) {
     const double share = i / 120.0;
-    const double way = share * share * (3 - 2 * share);  // its acceleration steps at both ends
+    const double rise = share * share * (3 - 2 * share);  // its acceleration steps at both ends
     sampled.times.push_back(i / 60.0);
-    sampled.positions.insert(sampled.positions.end(), {600 * way, 200 * way * way});
+    sampled.positions.insert(sampled.positions.end(), {600 * rise, 200 * rise * rise});
   }
   const MotionFit fit = fit_motion(sampled);
   ASSERT_GE(fit.speed.size(), 5U);

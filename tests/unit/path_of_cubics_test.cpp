@@ -12,7 +12,7 @@
 namespace inbetween {
 namespace path_of_cubics_test {
 
-/// One axis that goes as t^2 over two halves of a way, and a guide that goes evenly from 0 to 3.
+/// One axis that goes as t^2 over two halves of a distance, and a guide that goes evenly from 0 to 3.
 struct Halves {
   std::vector<Cubic> cubics = {{0, 0, 0.25, 0}, {0, 1.5, 0, 0}, {0.25, 0.5, 0.25, 0}, {1.5, 1.5, 0, 0}};
   std::vector<double> weights = {0, 1};

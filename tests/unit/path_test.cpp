@@ -120,9 +120,9 @@ TEST(Path, TheContinuationLeavesAsThePathArrives) {
 TEST(Path, OneKeyIsAPathThatStaysThere) {
   const std::vector<double> keys{3.3, -4.4};
   for (const Spline spline : every_kind) {
-    for (const int ways : {0, 1, 2, 3}) {
+    for (const int kind : {0, 1, 2, 3}) {
       const DrawnPath path(
-          {.spline = spline, .closed = ways % 2 == 1, .axis_count = 2, .keys = keys, .overshoot = ways < 2});
+          {.spline = spline, .closed = kind % 2 == 1, .axis_count = 2, .keys = keys, .overshoot = kind < 2});
       ASSERT_TRUE(path.result());
       EXPECT_EQ(path->segment_count(), 0);
       EXPECT_EQ(path->position({0, 0}, 0), 3.3);

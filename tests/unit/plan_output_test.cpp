@@ -269,7 +269,7 @@ TEST(PlanJson, BothSolversPutTheAxesWhereTheirOwnTableHasThem) {
     EXPECT_EQ(track["solver"], solver);
     for (std::size_t j = 0; j <= 72; ++j) {
       for (std::size_t d = 0; d < 2; ++d) {
-        // What plays of the closed form is a trajectory, within 2^-30 of the way of some 300.
+        // What plays of the closed form is a trajectory, within 2^-30 of the distance of some 300.
         const double rounding = std::string_view(solver) == "closed-form" ? 3e-7 : 1e-12;
         EXPECT_NEAR(json["axes"][d]["position"][j], position(track, track["table"][j]["s"], d), rounding)
             << solver;
@@ -328,11 +328,11 @@ Plan plan_of_arm(const std::string& track) {
 }
 
 /// What an axis has `way` frames beside a frame, from what plays there and twice as far away.
-double acceleration_beside(const Plan& plan, std::size_t axis, std::int32_t frame, double way) {
+double acceleration_beside(const Plan& plan, std::size_t axis, std::int32_t frame, double distance) {
   const auto at = [&](double frames) {
     return plan.motion().trajectories()[0].motion_of(axis, moved_by({frame, 0}, frames)).acceleration;
   };
-  return 2 * at(way) - at(2 * way);
+  return 2 * at(distance) - at(2 * distance);
 }
 
 /// The row of a key's frame has the acceleration behind it. Returns whether it steps there.
@@ -565,13 +565,13 @@ TEST(Plot, AKeyInSpaceShowsWhereTheCameraLooksAndAtWhat) {
   for (const PlotPosture& posture : plot.tips[0].postures) {
     ASSERT_TRUE(posture.aim.has_value());
     const PlotPlace puppet{4.2, 2.4, 1};
-    double way = 0, along = 0;
+    double square = 0, along = 0;
     for (std::size_t d = 0; d < 3; ++d) {
       EXPECT_NEAR((*posture.aim)[d], puppet[d], 1e-9);
-      way += std::pow(puppet[d] - posture.tip[d], 2);
+      square += std::pow(puppet[d] - posture.tip[d], 2);
       along += (puppet[d] - posture.tip[d]) * posture.view[d];
     }
-    EXPECT_NEAR(along, std::sqrt(way), 1e-6) << "on frame " << posture.frame << " it looks at the puppet";
+    EXPECT_NEAR(along, std::sqrt(square), 1e-6) << "on frame " << posture.frame << " it looks at the puppet";
   }
 }
 

@@ -204,7 +204,7 @@ TEST(Plan, NoSpeedOnARealPathNamesTheSpeedCurve) {
   expect_plan_refused(with(two_tracks, "[0, 0, 10, 0, 0]", "@[0, 0]"), {"zero everywhere", "raise"});
 }
 
-TEST(Plan, NoSpeedIsFineWhereThereIsNoWay) {
+TEST(Plan, NoSpeedIsFineWhereThereIsNoDistance) {
   const std::string still = with(with(two_tracks, "[2]", "[1]"), "[3]", "[0]");
   EXPECT_EQ(plan_of(still).tracks()[1].track().constant(), 0);
 }

@@ -407,8 +407,8 @@ TEST(Playhead, WhatATickPassesBeyondAnEndIsGoneBackInTheSameTick) {
   ASSERT_TRUE(playhead.play(Direction::forward));
   for (int tick = 1; tick <= 40'000; ++tick) {
     playhead.tick();
-    const double way = std::fmod(rate * 24 * tick * tick_s, 480);
-    ASSERT_NEAR(frames_of(playhead.time()), way < 240 ? way : 480 - way, 1e-6) << tick;
+    const double travelled = std::fmod(rate * 24 * tick * tick_s, 480);
+    ASSERT_NEAR(frames_of(playhead.time()), travelled < 240 ? travelled : 480 - travelled, 1e-6) << tick;
   }
 }
 

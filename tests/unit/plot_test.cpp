@@ -376,7 +376,7 @@ TEST(Plot, TicksThatWouldRunTogetherAreThinnedToARoundNumberOfFrames) {
 TEST(Plot, AStripeIsAsWideAsTheDistanceTravelledInItsFrame) {
   PlotMove move = straight_move(4, {100});
   move.tracks[0].speed = {0, 2, 4, 6,
-                          8};  // trapezoids 1, 3, 5, 7: the even frames have 1/16 and 5/16 of the way
+                          8};  // trapezoids 1, 3, 5, 7: the even frames have 1/16 and 5/16 of the path
   std::vector<double> widths;
   for (const std::string& shape : shapes_of(svg_of(move))) {
     const auto numbers = numbers_of(shape);

@@ -107,7 +107,7 @@ TEST(RigGpio, ReadsTheSwitchesOfAnAxis) {
   EXPECT_EQ(slide.home->fast, 20);
   EXPECT_EQ(slide.home->slow, 2);
   EXPECT_EQ(slide.home->back_off, 5);
-  EXPECT_EQ(slide.home->search, 805) << "the whole axis and the way back off";
+  EXPECT_EQ(slide.home->search, 805) << "the whole axis and the distance to back off";
   EXPECT_EQ(slide.home->at, 0);
   ASSERT_TRUE(slide.limit_min && slide.limit_max);
   EXPECT_EQ(slide.limit_min->address.line, GpioLine(24));

@@ -205,7 +205,7 @@ TEST_F(RigLinesTest, AHomeSwitchIsAtItsPlaceAndTellsTheTimeOfItsEdge) {
   EXPECT_FALSE(lines->homing_input(0).limit_hit) << "a home switch is no limit switch";
 }
 
-TEST_F(RigLinesTest, BehindTheHomeSwitchIsTheWayThatAStopTakes) {
+TEST_F(RigLinesTest, BehindTheHomeSwitchIsTheDistanceThatAStopTakes) {
   std::string fast = slider;
   fast.replace(fast.find("fast = 20"), 9, "fast = 80");
   rig = parse_rig(fast, "rig.toml");

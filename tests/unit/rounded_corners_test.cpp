@@ -16,7 +16,7 @@
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_on.hpp"
 
-/// Straight ways whose corners are rounded: overlapping actions, and a tolerance along a path.
+/// Straight lines whose corners are rounded: overlapping actions, and a tolerance along a path.
 
 namespace inbetween {
 namespace rounded_corners_test {
@@ -127,19 +127,19 @@ TEST(Overlap, MoreThanAnActionIsRefusedWithWhatGoesIn) {
       {"key 0", "an overlap of 32 frames at both of its keys goes in"});
 }
 
-TEST(Overlap, IsForStraightWaysTimedByFrames) {
+TEST(Overlap, IsForStraightLinesTimedByFrames) {
   const std::string head = "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"x\"]\n";
   const std::string keys = "keys = [ {at=[0], frame=0}, {at=[24], frame=96} ]\n";
   for (const std::string track :
        {"timing = \"frames\"\n", "timing = \"frames\"\nspline = \"linear\"\nkinetic = \"pace\"\n",
         "spline = \"linear\"\nspeed = [1]\n"}) {
     expect_refused(parse_move, head + track + "overlap = @4\n" + keys,
-                   {"overlap is for straight ways timed by frames", "use round"});
+                   {"overlap is for straight lines timed by frames", "use round"});
   }
   expect_refused(
       parse_move,
       head + "timing = \"frames\"\nkeys = [ {at=[0], frame=0, overlap = @4}, {at=[24], frame=96} ]\n",
-      {"overlap is for straight ways"});
+      {"overlap is for straight lines"});
   expect_refused(parse_move, head + "timing = \"frames\"\nspline = \"linear\"\noverlap = @-1\n" + keys,
                  {"overlap"});
 }
@@ -163,7 +163,7 @@ TEST(Round, HalfOfTheShorterLegIsTheMostThatIsUsed) {
   for (const PassedKey& key : passed_keys(plan, 0)) EXPECT_NEAR(key.distance, std::sqrt(2.0) * 20 / 6, 1e-9);
 }
 
-TEST(Round, AKeyOnAStraightWayAndOneThatTurnsStraightBackAreMet) {
+TEST(Round, AKeyOnAStraightLineAndOneThatTurnsStraightBackAreMet) {
   const Plan plan = planned_of_two(
       "speed = [0, 0, 5, 5, 0, 0]\nround = 3\nkeys = [ {at=[0, 0]}, {at=[10, 10]}, {at=[30, 30]}, {at=[5, "
       "5]} ]\n");

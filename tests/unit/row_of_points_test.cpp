@@ -75,21 +75,21 @@ TEST(RowOfPoints, TheTipOfEveryLeverIsWhereTheCoonsPatchHasItsPoint) {
   const oracle::NetworkOracle x = row_by_formula(plan, 0);
   const oracle::NetworkOracle z = row_by_formula(plan, 2);
   std::vector<AxisMotion> axes(plan.axes().size());
-  double way = 0;
+  double off = 0;
   for (int part = 0; part <= 23 * 48; ++part) {  // none of them where the joints are solved
     plan.tracks().front().track().motion({part / 23, part % 23 / 23.0}, axes);
     for (std::size_t point = 0; point < roots_m.size(); ++point) {
       const InPlane at = place_of(roots_m.at(point), axes[2 * point], axes[2 * point + 1]);
       const long double frame = part / 23.0L;
-      way = std::max(way, std::hypot(at.x - static_cast<double>(x.at(point, frame, 0)),
+      off = std::max(off, std::hypot(at.x - static_cast<double>(x.at(point, frame, 0)),
                                      at.z - static_cast<double>(z.at(point, frame, 0))));
     }
   }
-  fmt::print("the points are within {:.3g} m\n", way);
-  // 1e-7 of the shortest way of a point, and the rounding of a motor's angle.
-  EXPECT_LE(way, 1e-7 * 0.02);
+  fmt::print("the points are within {:.3g} m\n", off);
+  // 1e-7 of the shortest path of a point, and the rounding of a motor's angle.
+  EXPECT_LE(off, 1e-7 * 0.02);
   ASSERT_TRUE(plan.accuracy(0).has_value());
-  EXPECT_LE(way, plan.accuracy(0)->way_m + 1e-15) << "the bound that is printed is none";
+  EXPECT_LE(off, plan.accuracy(0)->off_m + 1e-15) << "the bound that is printed is none";
 }
 
 TEST(RowOfPoints, ItRestsAtBothEndsAndNothingSteps) {

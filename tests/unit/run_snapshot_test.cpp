@@ -74,7 +74,7 @@ TEST(StatusLine, OfAMoveThatIsShotTellsTheFrameAndTheCamera) {
   EXPECT_THAT(status_line(now), AllOf(StartsWith("stopped: press a"), HasSubstr("a acknowledges")));
 }
 
-TEST(StatusLine, OfAWayThatIsNoMoveTellsWhichItIs) {
+TEST(StatusLine, OfAMotionThatIsNoMoveTellsWhichItIs) {
   const RunSnapshot now{.state = SupervisorState::running, .doing = "going to the start"};
   EXPECT_EQ(status_line(now), "going to the start | Esc stops, q leaves");
 }

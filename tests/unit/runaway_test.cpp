@@ -66,10 +66,10 @@ TEST(AxisWatch, WhatBrakesInTimeDoesNotGetAwayAndWhatGoesFurtherDoes) {
     axis.go(direction * 40, 20);
     axis.watch.tell(axis.place - direction * 6);  // it is beyond its target
     axis.watch.begin_stop();
-    // 40^2 / (2 * 100) is the way in which it may brake, and 5 its following error.
+    // 40^2 / (2 * 100) is the distance in which it may brake, and 5 its following error.
     const double from = axis.place;
-    const auto at = [&](double way) {
-      axis.place = from + direction * way;
+    const auto at = [&](double distance) {
+      axis.place = from + direction * distance;
       axis.watch.look(axis.place, axis.now_ns += tick_ns);
       return axis.watch.gets_away();
     };
@@ -79,7 +79,7 @@ TEST(AxisWatch, WhatBrakesInTimeDoesNotGetAwayAndWhatGoesFurtherDoes) {
   }
 }
 
-TEST(AxisWatch, AFasterRunawayIsGivenNoMoreWayThanItsAxisNeeds) {
+TEST(AxisWatch, AFasterRunawayIsGivenNoMoreRoomThanItsAxisNeeds) {
   Watched axis;
   axis.go(720, 20);
   axis.watch.tell(axis.place);
@@ -170,7 +170,7 @@ using Kinds = testing::Types<Cia402Kind, InterpolatedKind, OdriveKind, MoteusKin
 TYPED_TEST_SUITE(RunawayOnABus, Kinds);
 
 // docs/faults.md 52
-TYPED_TEST(RunawayOnABus, LosesItsPowerWithinTheWayThatWasPromised) {
+TYPED_TEST(RunawayOnABus, LosesItsPowerWithinTheDistanceThatWasPromised) {
   for (const double speed : {60.0, 200.0, 720.0, -60.0, -200.0, -720.0}) {
     SCOPED_TRACE(speed);
     BusAxis<TypeParam> axis;
@@ -302,16 +302,17 @@ TYPED_TEST(RunawayOnABus, NoMoveWithinItsLimitsIsTakenForOne) {
     });
     ASSERT_TRUE(axis.switch_on());
     axis.from = axis.state.actual;
-    const double way = between(0.1, 40) * (between(0, 1) < 0.5 ? -1 : 1);
-    const double fastest = std::min(0.95 * 40 / std::fabs(way), std::sqrt(0.95 * 400 / std::fabs(way)));
+    const double distance = between(0.1, 40) * (between(0, 1) < 0.5 ? -1 : 1);
+    const double fastest =
+        std::min(0.95 * 40 / std::fabs(distance), std::sqrt(0.95 * 400 / std::fabs(distance)));
     const double omega = fastest * between(0.3, 1);
     const int ticks = static_cast<int>(2 * 3.14159265358979 / omega / 0.004);
     for (int tick = 0; tick < std::min(ticks, 1500); ++tick) {
       const double s = tick * 0.004;
-      axis.tick(Setpoint{.position = axis.from + way * (1 - std::cos(omega * s)),
-                         .velocity = way * omega * std::sin(omega * s)});
+      axis.tick(Setpoint{.position = axis.from + distance * (1 - std::cos(omega * s)),
+                         .velocity = distance * omega * std::sin(omega * s)});
       ASSERT_EQ(axis.worst, DriveCondition::fine)
-          << "tick " << tick << ", way " << way << ", omega " << omega << ", lag " << lag_ns << ": "
+          << "tick " << tick << ", distance " << distance << ", omega " << omega << ", lag " << lag_ns << ": "
           << (axis.host().first_finding() ? can::words_of(*axis.host().first_finding()).what : "");
     }
   }
@@ -413,12 +414,12 @@ TEST(Runaway, LosesItsPowerAndTheOthersStopOnTheirPath) {
 
 // --- measured by hand
 
-ProgramRun measure(const std::string& way, const std::string& answer) {
+ProgramRun measure(const std::string& distance, const std::string& answer) {
   const std::string program = in_build("inbetween");
   return run_command({"/bin/bash", "-c",
                       "printf -- '" + answer + "' | " + program + " jog --rig " +
                           in_checkout("examples/camera_rig.toml") +
-                          " pan --sim --from pan=20 --yes --measure " + way});
+                          " pan --sim --from pan=20 --yes --measure " + distance});
 }
 
 TEST(JogCommand, MeasuresByWhatAScaleIsWrong) {

@@ -81,7 +81,8 @@ TEST(ScreenText, ACutNameKeepsItsLettersWhole) {
 TEST(ScreenText, ByHandEveryAxisHasItsLimits) {
   const RigFile rig = read_rig_file(camera_rig);
   RunSnapshot now = playing();
-  now.jog = JogSnapshot{.axis = "pan", .unit = "deg", .stop_way = 0.5, .min = -170, .max = 170, .size = 3};
+  now.jog =
+      JogSnapshot{.axis = "pan", .unit = "deg", .stop_distance = 0.5, .min = -170, .max = 170, .size = 3};
   const std::vector<std::string> text = screen_text("by hand", rig, now, 79, 24);
   EXPECT_THAT(text[2], HasSubstr("stops in 0.5"));
   EXPECT_THAT(text[4], HasSubstr("position         from           to"));

@@ -1,5 +1,5 @@
-// SDO in segments, against a server of the tests' own and that of the simulated drive: every size, both ways,
-// and frames that are lost, doubled or late, in either direction.
+// SDO in segments, against a server of the tests' own and that of the simulated drive: every size, both
+// directions, and frames that are lost, doubled or late, in either direction.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -93,7 +93,7 @@ std::string drawn_text(const std::string& text) {
 }
 
 struct Worst {
-  double way_share = 0;    // of the length
+  double off_share = 0;    // of the length
   double speed_share = 0;  // of the drawn speed, where that is above a hundredth of the fastest
 };
 
@@ -110,8 +110,8 @@ Worst worst_of(const Json& followed, const Json& drawn, const OracleTree& tree, 
   for (std::size_t row = 0; row < rows; ++row) {
     const std::vector<double> axes = row_of(followed, "position", row);
     const Vector wanted = vector_of(row_of(drawn, "position", row));
-    worst.way_share =
-        std::max(worst.way_share, size(difference(tree.pose(link, axes).position, wanted)) / length);
+    worst.off_share =
+        std::max(worst.off_share, size(difference(tree.pose(link, axes).position, wanted)) / length);
     const OracleTwist twist =
         tree.motion(link, axes, row_of(followed, "velocity", row), row_of(followed, "acceleration", row))
             .velocity;
@@ -129,8 +129,8 @@ Worst worst_of_example(const std::string& name, const std::string& rig, const Or
   const TemporaryFile slides_file("slides.toml", slides);
   const Worst worst =
       worst_of(planned(move, in_checkout(rig)), planned(drawn.path(), slides_file.path()), tree, link);
-  testing::Test::RecordProperty(name + " way", fmt::format("{:.3g}", worst.way_share));
-  fmt::print("{}: way {:.3g} of the length, speed {:.3g}\n", name, worst.way_share, worst.speed_share);
+  testing::Test::RecordProperty(name + " off", fmt::format("{:.3g}", worst.off_share));
+  fmt::print("{}: off {:.3g} of the length, speed {:.3g}\n", name, worst.off_share, worst.speed_share);
   return worst;
 }
 
@@ -139,7 +139,7 @@ TEST(SpaceTrack, TheHandGoesWhereItIsDrawnWithItsElbowOnTheSideThatIsAsked) {
   for (const auto& [side, sign] : {std::pair("up", -1), std::pair("down", 1)}) {
     const std::string name = fmt::format("examples/arm/hand_elbow_{}.toml", side);
     const Worst worst = worst_of_example(name, "examples/arm/rig.toml", tree, 2);
-    EXPECT_LE(worst.way_share, 1e-6) << name;
+    EXPECT_LE(worst.off_share, 1e-6) << name;
     EXPECT_LE(worst.speed_share, 1e-4) << name;
     const Json json = planned(in_checkout(name), in_checkout("examples/arm/rig.toml"));
     for (const Json& elbow : json.at("axes")[1].at("position"))
@@ -151,7 +151,7 @@ TEST(SpaceTrack, TheCraneCarriesItsCameraAlongThePathAndLooksAtThePuppet) {
   const OracleTree tree(joints_of_crane());
   const std::string name = "examples/crane/round_the_puppet.toml";
   const Worst worst = worst_of_example(name, "examples/crane/rig.toml", tree, 7);
-  EXPECT_LE(worst.way_share, 1e-6);
+  EXPECT_LE(worst.off_share, 1e-6);
   EXPECT_LE(worst.speed_share, 1e-4);
   const Json json = planned(in_checkout(name), in_checkout("examples/crane/rig.toml"));
   double aim = 0;
@@ -361,14 +361,14 @@ std::string look_along(const std::string& keys) {
          keys + "]\n";
 }
 
-TEST(SpaceTrack, AWayOverASingularPlaceIsRefusedThoughTheAxesWouldGoOnSmoothly) {
+TEST(SpaceTrack, APathOverASingularPlaceIsRefusedThoughTheAxesWouldGoOnSmoothly) {
   const HeadFiles over_the_top(look_along("{ aim = [1, 0, 1] }, { aim = [-1.1, 0, 1] }"));
   const ProgramRun run = over_the_top.run("plan");
   EXPECT_EQ(run.status, 1);
   EXPECT_THAT(run.err, AllOf(HasSubstr("frame "), HasSubstr("singular"), HasSubstr("axis \"pan\"")));
 }
 
-TEST(SpaceTrack, AWayThatEndsBesideASingularPlaceIsRefused) {
+TEST(SpaceTrack, APathThatEndsBesideASingularPlaceIsRefused) {
   EXPECT_THAT(HeadFiles(look_along("{ aim = [1, 0, 1] }, { aim = [0.00005, 0, 1] }")).run("plan").err,
               AllOf(HasSubstr("frame 100.00"), HasSubstr("singular"), HasSubstr("axis \"pan\"")));
   EXPECT_EQ(HeadFiles(look_along("{ aim = [1, 0, 1] }, { aim = [0.1, 0, 1] }")).run("plan").status, 0);
@@ -412,9 +412,9 @@ TEST(SpaceTrack, KeysOnFramesInSpaceArePassedAtAPaceOrEvenlyAndInNoOtherWay) {
     ASSERT_EQ(passed.status, 0) << passed.err;
     const Json json = Json::parse(passed.out);
     const std::size_t before = static_cast<std::size_t>(-json.at("axes")[0].value("first_frame", 0));
-    const Json& way = json.at("tips")[0].at("position").at(50 + before);
-    EXPECT_NEAR(way[0].get<double>(), 0.35, 1e-6) << kinetic;
-    EXPECT_NEAR(way[1].get<double>(), 0.2, 1e-6) << kinetic;
+    const Json& position = json.at("tips")[0].at("position").at(50 + before);
+    EXPECT_NEAR(position[0].get<double>(), 0.35, 1e-6) << kinetic;
+    EXPECT_NEAR(position[1].get<double>(), 0.2, 1e-6) << kinetic;
   }
 }
 
@@ -492,7 +492,7 @@ TEST(SpaceTrack, TheCraneLooksAtAPuppetThatAnotherTrackMoves) {
       planned(in_checkout("examples/crane/round_the_puppet.toml"), in_checkout("examples/crane/rig.toml"));
   const OracleTree tree(joints_of_crane());
   double aim = 0;
-  double way = 0;
+  double off = 0;
   double highest = 0;
   const std::size_t rows = json.at("axes")[0].at("position").size();
   ASSERT_EQ(rows, still.at("axes")[0].at("position").size()) << "it begins and ends at rest, without rolls";
@@ -503,14 +503,14 @@ TEST(SpaceTrack, TheCraneLooksAtAPuppetThatAnotherTrackMoves) {
     aim = std::max(aim, aim_error(pose, lifted));
     // The path and the speed along it are those that are drawn, whatever the puppet does.
     const OraclePose expected = tree.pose(7, row_of(still, "position", row));
-    way = std::max(way, size(difference(pose.position, expected.position)));
+    off = std::max(off, size(difference(pose.position, expected.position)));
     highest = std::max(highest, lifted[2]);
     ASSERT_NEAR(pose.columns[1][2], 0, 1e-6) << "the horizon is level";
   }
-  fmt::print("aim at what moves {:.3g} deg, way {:.3g} m\n", aim, way);
+  fmt::print("aim at what moves {:.3g} deg, off {:.3g} m\n", aim, off);
   EXPECT_GT(highest, 1.29);
   EXPECT_LE(aim, 0.001);
-  EXPECT_LE(way, 1e-6 * 2.8);
+  EXPECT_LE(off, 1e-6 * 2.8);
 }
 
 TEST(SpaceTrack, TheCraneHoldsItsAimAtWhatMovesInAControlledStopAndInReverse) {

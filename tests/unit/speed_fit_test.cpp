@@ -311,8 +311,8 @@ TEST(SpeedFit, IsNotSearchedForWhereTwoLockedKeysProveThatThereIsNone) {
   const SpeedFit fit = fit_speed(plan, check(plan), {.progress = [&](double) { has_begun = true; }});
   EXPECT_FALSE(has_begun);
   ASSERT_FALSE(fit.found);
-  ASSERT_LE(fit.fewest.frames, 192) << "the whole way has frames enough";
-  EXPECT_THAT(fit.reason, AllOf(HasSubstr("between key 0 on frame 0 and key 1 on frame 48 the way takes at "
+  ASSERT_LE(fit.fewest.frames, 192) << "the whole path has frames enough";
+  EXPECT_THAT(fit.reason, AllOf(HasSubstr("between key 0 on frame 0 and key 1 on frame 48 the path takes at "
                                           "least 60.0 frames, whatever the speed curve"),
                                 HasSubstr("because of max_velocity of axis \"x\"")));
 }

@@ -309,9 +309,9 @@ class CornerOracle {
     const long double t = a - static_cast<long double>(span);
     long double passed = integral(span, t);
     for (std::size_t i = 0; i < span; ++i) passed += integral(i, 1);
-    long double way = passed * length_ / integral_;
+    long double left = passed * length_ / integral_;
     std::size_t key = 0;
-    while (key + 2 < key_count && way > lengths_[key]) way -= lengths_[key++];
+    while (key + 2 < key_count && left > lengths_[key]) left -= lengths_[key++];
     const long double slope = std::fabs(step(key, d)) / lengths_[key] * length_ / integral_;
     const long double rate = span_count * 24.0L / corner_frames;
     const auto [c0, c1, c2, c3] = spans_[span];

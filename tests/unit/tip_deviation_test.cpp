@@ -138,11 +138,11 @@ void expect_bounds(const MovedArm& arm) {
     return tip_deviation(kinematics, arm.last() + 1, {arm.axes, all_three, position, aim});
   };
   constexpr double rounding = 1e-13;
-  const auto way = drawn_through([&](double t) { return pose(t).position; });
-  const double found_way = worst([&](double t) { return size(difference(pose(t).position, at(way, t))); });
-  EXPECT_GT(found_way, 1e-9);
-  EXPECT_LE(found_way, deviation(way, {}).way + rounding);
-  EXPECT_LE(deviation(way, {}).way, 1000 * found_way) << "of use";
+  const auto path = drawn_through([&](double t) { return pose(t).position; });
+  const double found_off = worst([&](double t) { return size(difference(pose(t).position, at(path, t))); });
+  EXPECT_GT(found_off, 1e-9);
+  EXPECT_LE(found_off, deviation(path, {}).off + rounding);
+  EXPECT_LE(deviation(path, {}).off, 1000 * found_off) << "of use";
 
   const auto slopes = drawn_with_slopes(velocity);
   const TipDeviation of_slopes = deviation(slopes, {});
@@ -160,10 +160,10 @@ void expect_bounds(const MovedArm& arm) {
   });
   const double found_aim = worst([&](double t) {
     const OraclePose p = pose(t);
-    const Numbers way_there = difference(at(sight, t), p.position);
+    const Numbers to_aim = difference(at(sight, t), p.position);
     const Numbers& lens = p.columns[0];
-    const double along = way_there[0] * lens[0] + way_there[1] * lens[1] + way_there[2] * lens[2];
-    const Numbers across = difference(way_there, {lens[0] * along, lens[1] * along, lens[2] * along});
+    const double along = to_aim[0] * lens[0] + to_aim[1] * lens[1] + to_aim[2] * lens[2];
+    const Numbers across = difference(to_aim, {lens[0] * along, lens[1] * along, lens[2] * along});
     return std::atan2(size(across), along);
   });
   EXPECT_LE(found_aim, deviation({}, sight).aim + rounding);
@@ -236,10 +236,10 @@ TEST(TipDeviation, OneJointThatTurnsIsBoundedWithNothingToSpare) {
     const Kinematics kinematics = kinematics_of(arm.joints);
     const OracleTree oracle(arm.joints);
     const auto place = [&](double t) { return oracle.pose(1, arm.positions(t)).position; };
-    const auto way = drawn_through(place);
-    const double found = worst([&](double t) { return size(difference(place(t), at(way, t))); });
+    const auto path = drawn_through(place);
+    const double found = worst([&](double t) { return size(difference(place(t), at(path, t))); });
     const std::vector<std::size_t> only = {0};
-    const double bound = tip_deviation(kinematics, 2, {arm.axes, only, way, {}}).way;
+    const double bound = tip_deviation(kinematics, 2, {arm.axes, only, path, {}}).off;
     EXPECT_LE(found, bound * (1 + 1e-6)) << turn.c1 << " " << turn.c2 << " " << turn.c3;
     EXPECT_LE(bound, 4 * found) << turn.c1 << " " << turn.c2 << " " << turn.c3;
   }

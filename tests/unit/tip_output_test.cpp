@@ -52,7 +52,7 @@ void expect_near(const Json& found, const double* expected, double error) {
   for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(found[d].get<double>(), expected[d], error);
 }
 
-void expect_the_way_of_the_camera(const Json& json) {
+void expect_the_path_of_the_camera(const Json& json) {
   ASSERT_THAT(json.at("tips"), SizeIs(1));
   const Json& tip = json.at("tips")[0];
   EXPECT_EQ(tip.at("name"), "camera");
@@ -74,12 +74,12 @@ void expect_the_way_of_the_camera(const Json& json) {
   }
 }
 
-TEST(TipOutput, TheJsonHasTheWayOfTheCamera) {
-  expect_the_way_of_the_camera(plan({}));
+TEST(TipOutput, TheJsonHasThePathOfTheCamera) {
+  expect_the_path_of_the_camera(plan({}));
 }
 
-TEST(TipOutput, AndItsWayPerTick) {
-  expect_the_way_of_the_camera(plan({"--per", "tick"}));
+TEST(TipOutput, AndItsPathPerTick) {
+  expect_the_path_of_the_camera(plan({"--per", "tick"}));
 }
 
 TEST(TipOutput, TheCsvHasAColumnForEachDirection) {
@@ -114,7 +114,7 @@ TEST(TipOutput, EveryArticulatedExampleIsPlannedAndKeepsItsLimits) {
 }
 
 /// Of tip `index` on every row, its place.
-std::vector<std::array<double, 3>> way_of(const Json& json, std::size_t index) {
+std::vector<std::array<double, 3>> path_of(const Json& json, std::size_t index) {
   return json.at("tips").at(index).at("position").get<std::vector<std::array<double, 3>>>();
 }
 
@@ -125,8 +125,8 @@ TEST(TipOutput, ThePartsOfAHierarchyMoveWithWhatTheyHangOn) {
                            .out);
   };
   const Json year = planned("orrery", "one_year.toml");
-  const auto earth = way_of(year, 1);
-  const auto moon = way_of(year, 2);
+  const auto earth = path_of(year, 1);
+  const auto moon = path_of(year, 2);
   double highest = 0;
   for (std::size_t row = 0; row < earth.size(); ++row) {
     EXPECT_NEAR(std::hypot(earth[row][0], earth[row][1], earth[row][2]), 0.6, 1e-12);
@@ -139,8 +139,8 @@ TEST(TipOutput, ThePartsOfAHierarchyMoveWithWhatTheyHangOn) {
   const Json logo = planned("logo", "fly_in.toml");
   for (std::size_t letter = 0; letter < 5; ++letter) {
     const double below = letter % 4 == 0 ? 0.4 : 0.3;
-    EXPECT_NEAR(way_of(logo, letter).back()[0], 2.4 + 0.3 * (static_cast<double>(letter) - 2), 1e-9);
-    EXPECT_NEAR(way_of(logo, letter).back()[2], 0.8 + 0.7 - below, 1e-9);
+    EXPECT_NEAR(path_of(logo, letter).back()[0], 2.4 + 0.3 * (static_cast<double>(letter) - 2), 1e-9);
+    EXPECT_NEAR(path_of(logo, letter).back()[2], 0.8 + 0.7 - below, 1e-9);
   }
 }
 
@@ -157,7 +157,7 @@ TEST(TipOutput, ATipWhoseAxisIsInNoTrackIsNamedAndLeftOut) {
   const ProgramRun run = run_program({"plan", move.path().string(), "--rig", rig_file, "--json", "-"});
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.err,
-              HasSubstr("rig.toml:7:8: warning: the way of \"camera\" is not shown: it hangs on axis "
+              HasSubstr("rig.toml:7:8: warning: the path of \"camera\" is not shown: it hangs on axis "
                         "\"track\", which is in no track; give that a track with one key"));
   EXPECT_THAT(Json::parse(run.out).at("tips"), SizeIs(0));
 }
@@ -315,11 +315,11 @@ TEST(TipOutput, AnyArmFollowsKeysInTheWorldOrIsRefusedInOneLine) {
       } else if (std::string(command) == "plan") {
         ++followed;
         const Json found = Json::parse(run.out);
-        const Json& way = found.at("tips").at(0).at("position");
+        const Json& path = found.at("tips").at(0).at("position");
         for (std::size_t d = 0; d < 3; ++d) {
-          EXPECT_NEAR(way.front()[d].get<double>(), planned.at("tips")[0].at("position")[28][d].get<double>(),
-                      1e-6);
-          EXPECT_NEAR(way.back()[d].get<double>(), planned.at("tips")[0].at("position")[36][d].get<double>(),
+          EXPECT_NEAR(path.front()[d].get<double>(),
+                      planned.at("tips")[0].at("position")[28][d].get<double>(), 1e-6);
+          EXPECT_NEAR(path.back()[d].get<double>(), planned.at("tips")[0].at("position")[36][d].get<double>(),
                       1e-6);
         }
       }

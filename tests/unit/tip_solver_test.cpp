@@ -52,7 +52,7 @@ TEST(TipSolver, ASolutionInsideTheRangesComesBeforeANearerOneOutside) {
   EXPECT_LT(found.positions[2], -0.5);
 }
 
-TEST(TipSolver, AxesThatAreLeftFreeShareTheWayAndStayAsNearAsTheyCan) {
+TEST(TipSolver, AxesThatAreLeftFreeShareTheMotionAndStayAsNearAsTheyCan) {
   std::vector<OracleJoint> joints;
   for (int i = 0; i < 4; ++i) {
     joints.push_back({.kind = Kind::prismatic, .parent = i - 1, .coordinate = i});

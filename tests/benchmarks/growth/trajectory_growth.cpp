@@ -258,7 +258,7 @@ void draw_trajectory(const std::filesystem::path& file) {
   }
   canvas.outline(above, {.color = plot_color::frame});
   draw_heading(canvas, {left, 325}, "how far it is from the track",
-               "as a share of a 2^30th of the way, and of a millionth of the speed; logarithmic", wide);
+               "as a share of a 2^30th of the distance, and of a millionth of the speed; logarithmic", wide);
   const Scale y({-6, 1.5}, below.bottom(), below.y);
   draw_bottom_ticks(canvas, below, x);
   for (double decade = -6; decade <= 0; decade += 2) {

@@ -55,10 +55,10 @@ double min_seconds_of(Subject& subject, std::span<double> positions) {
   return least;
 }
 
-/// Writes what a peer reads. A peer need only be accurate to delta of the way between two keys, and not, as a
-/// table is, to delta of every step: what none of them offers is not held against them. The file has numbers
-/// apart by white space: seconds to measure, the accuracy of a distance, the number of segments, of each its
-/// four Bezier points, the number of distances, and these, which rise.
+/// Writes what a peer reads. A peer need only be accurate to delta of the path between two keys, and not, as
+/// a table is, to delta of every step: what none of them offers is not held against them. The file has
+/// numbers apart by white space: seconds to measure, the accuracy of a distance, the number of segments, of
+/// each its four Bezier points, the number of distances, and these, which rise.
 void write_curve_file(const std::string& file, const Track& track) {
   const Path& path = track.path();
   std::ofstream out(file);

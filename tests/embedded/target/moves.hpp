@@ -37,7 +37,7 @@ struct Move {
   Kinetic kinetic = Kinetic::curves;              ///< with key_frames
   bool rests = true;                              ///< curves, at their ends
   bool overshoot = true;
-  std::span<const std::int32_t> overlap_frames = {};  ///< straight ways over frames
+  std::span<const std::int32_t> overlap_frames = {};  ///< straight lines over frames
   std::span<const double> path_tolerances = {};       ///< a straight path
   std::span<const Cubic> cubics = {};                 ///< curves over frames, in place of keys
   std::span<const FrameKnot> knots = {};              ///< of them

@@ -100,8 +100,8 @@ class MoveFromBytes {
  private:
   /// Drawn from what is left of the bytes, so that a short string is timed by its speed curve.
   void draw_timing(AnyMove& move, std::int32_t key_count) {
-    const int way = bytes_.ConsumeIntegralInRange(0, 7);
-    if (way == 1 || way == 2) {
+    const int timing = bytes_.ConsumeIntegralInRange(0, 7);
+    if (timing == 1 || timing == 2) {
       std::int32_t frame = 0;
       const std::int32_t count = bytes_.ConsumeBool() ? key_count : key_count + 1;  // closed: and back
       for (std::int32_t i = 0; i < count; ++i) {
@@ -109,8 +109,8 @@ class MoveFromBytes {
         frame += bytes_.ConsumeIntegralInRange(0, 30);
       }
       if (bytes_.ConsumeIntegralInRange(0, 7) != 0) move.frames = move.key_frames.back();
-      move.kinetic = way == 1 ? Kinetic::linear : Kinetic::monotone;
-    } else if (way >= 3) {
+      move.kinetic = timing == 1 ? Kinetic::linear : Kinetic::monotone;
+    } else if (timing >= 3) {
       const std::int32_t last_key = move.closed && key_count > 1 ? key_count : key_count - 1;
       std::int32_t frame = 0;
       for (std::int32_t key = 0; key <= last_key; ++key) {

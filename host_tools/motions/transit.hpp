@@ -1,4 +1,4 @@
-// The slow way of some axes of a rig to other positions.
+// The transit of some axes of a rig to other positions.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,11 @@ namespace inbetween {
 
 /// "bring it in with inbetween goto --rig RIG AXIS=LIMIT", of an axis that stands beyond one of its limits;
 /// SessionOptions::as_arguments stand behind RIG.
-std::string way_back_inside(const RigFile& rig, std::size_t axis, double position,
-                            const std::string& as_arguments);
+std::string remedy_outside(const RigFile& rig, std::size_t axis, double position,
+                           const std::string& as_arguments);
 
-/// The usual share of the limits of velocity, acceleration and jerk that a slow way may use.
-inline constexpr double slow_share = 0.1;
+/// The usual share of the limits of velocity, acceleration and jerk that a transit may use.
+inline constexpr double transit_share = 0.1;
 
 /// The position to which an axis of the rig is to go.
 struct GoTarget {
@@ -30,16 +30,16 @@ struct GoTarget {
 
 /// A FreeSource: all axes go together on a straight line, from rest to rest, as quickly as `share` of the
 /// limits of each allows. A stop on the way keeps to the line, and may use the stop limits of the rig. An
-/// axis that stands outside its limits comes in by the shortest way. Refers to the rig. Allocates only when
+/// axis that stands outside its limits comes in by the shortest line. Refers to the rig. Allocates only when
 /// it is made.
-class SlowWay {
+class Transit {
  public:
   /// From `actual`, a position for every axis of the rig. Throws InputError at the rig where the axes cannot
   /// be moved so.
-  SlowWay(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
+  Transit(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
           double share);
-  SlowWay(const SlowWay&) = delete;
-  SlowWay& operator=(const SlowWay&) = delete;
+  Transit(const Transit&) = delete;
+  Transit& operator=(const Transit&) = delete;
 
   void tick(std::int64_t now_ns, std::span<Setpoint> out);
   void stop() { along_.stop(); }

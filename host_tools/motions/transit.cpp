@@ -1,4 +1,4 @@
-#include "host_tools/motions/slow_way.hpp"
+#include "host_tools/motions/transit.hpp"
 
 #include <fmt/format.h>
 
@@ -14,9 +14,9 @@
 namespace inbetween {
 namespace {
 
-/// The way from 0 to 1 as an axis, whose limits are the lowest that any axis leaves it.
-FreeAxis way_along(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
-                   double share) {
+/// The line from 0 to 1 as an axis, whose limits are the lowest that any axis leaves it.
+FreeAxis line_along(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
+                    double share) {
   constexpr double none = std::numeric_limits<double>::infinity();
   FreeAxisLimits along{
       .velocity = none, .acceleration = none, .jerk = none, .min = 0, .max = 1, .stop_share = none};
@@ -24,10 +24,10 @@ FreeAxis way_along(const RigFile& rig, std::span<const GoTarget> targets, std::s
     const RigAxis& axis = rig.axes[target.axis];
     const FreeAxisLimits slow = free_limits_of(axis, share);
     const AxisLimits limits = limits_of(slow_enough_everywhere(axis));
-    const double way = std::fabs(target.position - actual[target.axis]);
-    along.velocity = std::min(along.velocity, slow.velocity / way);
-    along.acceleration = std::min(along.acceleration, slow.acceleration / way);
-    along.jerk = std::min(along.jerk, slow.jerk / way);
+    const double distance = std::fabs(target.position - actual[target.axis]);
+    along.velocity = std::min(along.velocity, slow.velocity / distance);
+    along.acceleration = std::min(along.acceleration, slow.acceleration / distance);
+    along.jerk = std::min(along.jerk, slow.jerk / distance);
     along.stop_share = std::min(along.stop_share, limits.stop_acceleration() / slow.acceleration);
     if (limits.stop_jerk()) along.stop_share = std::min(along.stop_share, *limits.stop_jerk() / slow.jerk);
   }
@@ -37,16 +37,16 @@ FreeAxis way_along(const RigFile& rig, std::span<const GoTarget> targets, std::s
 
 }  // namespace
 
-std::string way_back_inside(const RigFile& rig, std::size_t axis, double position,
-                            const std::string& as_arguments) {
+std::string remedy_outside(const RigFile& rig, std::size_t axis, double position,
+                           const std::string& as_arguments) {
   const RigAxis& of = rig.axes[axis];
   return fmt::format("bring it in with inbetween goto --rig {}{} {}={:.15g}", rig.path, as_arguments, of.name,
                      position < of.min ? of.min : of.max);
 }
 
-SlowWay::SlowWay(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
+Transit::Transit(const RigFile& rig, std::span<const GoTarget> targets, std::span<const double> actual,
                  double share)
-    : rig_(rig), share_(share), along_(way_along(rig, targets, actual, share)) {
+    : rig_(rig), share_(share), along_(line_along(rig, targets, actual, share)) {
   for (const GoTarget& target : targets) {
     axes_.push_back(target.axis);
     limits_.push_back(limits_of(slow_enough_everywhere(rig.axes[target.axis])));
@@ -57,22 +57,22 @@ SlowWay::SlowWay(const RigFile& rig, std::span<const GoTarget> targets, std::spa
   for (FreeAxis tried = along_; !tried.is_resting(); ++ticks_) tried.tick();
 }
 
-void SlowWay::tick(std::int64_t /*now_ns*/, std::span<Setpoint> out) {
+void Transit::tick(std::int64_t /*now_ns*/, std::span<Setpoint> out) {
   const Setpoint along = along_.tick();
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    const double way = to_[i] - from_[i];
-    out[i] = {.position = along.position == 1 ? to_[i] : from_[i] + way * along.position,
-              .velocity = way * along.velocity,
-              .acceleration = way * along.acceleration};
+    const double distance = to_[i] - from_[i];
+    out[i] = {.position = along.position == 1 ? to_[i] : from_[i] + distance * along.position,
+              .velocity = distance * along.velocity,
+              .acceleration = distance * along.acceleration};
   }
 }
 
-FreeSpec SlowWay::loop_spec() {
+FreeSpec Transit::loop_spec() {
   return {
       .source = source_of(*this), .drive_of = axes_, .limits = limits_, .tick_seconds = 1.0 / rig_.rate_hz};
 }
 
-std::string SlowWay::describe(const std::string& title) const {
+std::string Transit::describe(const std::string& title) const {
   std::string words = title;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const RigAxis& axis = rig_.axes[axes_[i]];

@@ -1,5 +1,5 @@
-// The slow way of a rig, and that of a run to where its move starts.
-#include "host_tools/motions/slow_way.hpp"
+// The transit of a rig, and that of a run to where its move starts.
+#include "host_tools/motions/transit.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
-namespace slow_way_test {
+namespace transit_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -34,12 +34,12 @@ Plan example() {
   return {read_move_file(reveal), read_rig_file(camera_rig), {}};
 }
 
-/// The axes of a way, tick by tick until it rests.
-std::vector<std::vector<Setpoint>> played(SlowWay& way, int stopped_at = -1) {
+/// The axes of a transit, tick by tick until it rests.
+std::vector<std::vector<Setpoint>> played(Transit& transit, int stopped_at = -1) {
   std::vector<std::vector<Setpoint>> ticks;
-  while (!way.is_resting()) {
-    if (static_cast<int>(ticks.size()) == stopped_at) way.stop();
-    way.tick(0, ticks.emplace_back(way.axes().size()));
+  while (!transit.is_resting()) {
+    if (static_cast<int>(ticks.size()) == stopped_at) transit.stop();
+    transit.tick(0, ticks.emplace_back(transit.axes().size()));
   }
   return ticks;
 }
@@ -58,20 +58,20 @@ double highest_difference(const std::vector<std::vector<Setpoint>>& ticks, std::
   return highest;
 }
 
-TEST(SlowWay, IsNotNeededWhereTheRigStandsAtTheStart) {
+TEST(Transit, IsNotNeededWhereTheRigStandsAtTheStart) {
   const Plan plan = example();
   EXPECT_TRUE(away_from_start(plan, std::vector<double>{60, -62, -4}).empty());
   EXPECT_TRUE(away_from_start(plan, std::vector<double>{60 + 1e-6, -62, -4}).empty()) << "within a tick";
 }
 
-TEST(SlowWay, LeadsOnAStraightLineFromWhereTheRigStandsToTheStart) {
+TEST(Transit, LeadsOnAStraightLineFromWhereTheRigStandsToTheStart) {
   const Plan plan = example();
   const std::vector<double> standing{0, 10, -4};
   const std::vector<GoTarget> away = away_from_start(plan, standing);
   ASSERT_EQ(away.size(), 2U) << "the tilt stands there already";
-  SlowWay way(*plan.rig(), away, standing, slow_share);
-  const auto ticks = played(way);
-  EXPECT_EQ(static_cast<std::int64_t>(ticks.size()), way.ticks());
+  Transit transit(*plan.rig(), away, standing, transit_share);
+  const auto ticks = played(transit);
+  EXPECT_EQ(static_cast<std::int64_t>(ticks.size()), transit.ticks());
   EXPECT_NEAR(ticks.front()[0].position, 0, 1e-3);
   for (const auto& tick : ticks) {
     EXPECT_NEAR(tick[1].position, 10 - 72 * tick[0].position / 60, 1e-9);
@@ -82,58 +82,59 @@ TEST(SlowWay, LeadsOnAStraightLineFromWhereTheRigStandsToTheStart) {
   EXPECT_EQ(ticks.back()[0].velocity, 0);
 }
 
-TEST(SlowWay, StaysWithinATenthOfTheLimitsAndIsNoSlowerThanThat) {
+TEST(Transit, StaysWithinATenthOfTheLimitsAndIsNoSlowerThanThat) {
   const Plan plan = example();
   const std::vector<double> standing{900, 10, 9};
-  SlowWay way(*plan.rig(), away_from_start(plan, standing), standing, slow_share);
-  const auto ticks = played(way);
+  Transit transit(*plan.rig(), away_from_start(plan, standing), standing, transit_share);
+  const auto ticks = played(transit);
   double most = 0;
-  for (std::size_t i = 0; i < way.axes().size(); ++i) {
-    const RigAxis& limits = plan.rig()->axes[way.axes()[i]];
+  for (std::size_t i = 0; i < transit.axes().size(); ++i) {
+    const RigAxis& limits = plan.rig()->axes[transit.axes()[i]];
     const double velocity = highest_difference(ticks, i, 1) / limits.max_velocity;
     const double acceleration = highest_difference(ticks, i, 2) / limits.max_acceleration;
-    EXPECT_LE(velocity, slow_share * (1 + 1e-9));
-    EXPECT_LE(acceleration, slow_share * (1 + 1e-6));
+    EXPECT_LE(velocity, transit_share * (1 + 1e-9));
+    EXPECT_LE(acceleration, transit_share * (1 + 1e-6));
     most = std::max({most, velocity, acceleration});
   }
-  EXPECT_GT(most, 0.999 * slow_share);
+  EXPECT_GT(most, 0.999 * transit_share);
 }
 
-TEST(SlowWay, AStopStaysOnTheLineAndIsAsQuickAsAnyOfTheRig) {
+TEST(Transit, AStopStaysOnTheLineAndIsAsQuickAsAnyOfTheRig) {
   const Plan plan = example();
   const std::vector<double> standing{900, 10, 9};
-  SlowWay way(*plan.rig(), away_from_start(plan, standing), standing, slow_share);
-  const auto ticks = played(way, 1000);
+  Transit transit(*plan.rig(), away_from_start(plan, standing), standing, transit_share);
+  const auto ticks = played(transit, 1000);
   const RigAxis& slide = plan.rig()->axes[0];
-  const double slide_way = 60 - 900;
+  const double slide_travel = 60 - 900;
   double hardest = 0;
-  for (std::size_t i = 0; i < way.axes().size(); ++i) {
-    const RigAxis& axis = plan.rig()->axes[way.axes()[i]];
+  for (std::size_t i = 0; i < transit.axes().size(); ++i) {
+    const RigAxis& axis = plan.rig()->axes[transit.axes()[i]];
     const double stop = limits_of(axis).stop_acceleration();
     const double acceleration = highest_difference(ticks, i, 2, 990);
     EXPECT_LE(acceleration, stop * (1 + 1e-6));
     hardest = std::max(hardest, acceleration / axis.max_acceleration);
     const double end = ticks.back()[i].position, target = away_from_start(plan, standing)[i].position;
-    EXPECT_NEAR((end - standing[way.axes()[i]]) / (target - standing[way.axes()[i]]),
-                (ticks.back()[0].position - 900) / slide_way, 1e-9);
+    EXPECT_NEAR((end - standing[transit.axes()[i]]) / (target - standing[transit.axes()[i]]),
+                (ticks.back()[0].position - 900) / slide_travel, 1e-9);
   }
-  EXPECT_GT(hardest, 2 * slow_share) << "harder than it speeds up";
+  EXPECT_GT(hardest, 2 * transit_share) << "harder than it speeds up";
   const double seconds = static_cast<double>(ticks.size() - 1000) / 250;
   EXPECT_LT(seconds, 0.5 * slide.max_velocity / slide.max_acceleration + 0.2);
 }
 
-TEST(SlowWay, AStopTakesNoMoreJerkThanAStopMay) {
+TEST(Transit, AStopTakesNoMoreJerkThanAStopMay) {
   const RigFile rig = parse_rig(
       rig_text({{.name = "slide", .more = "max_jerk = 2000\nstop_acceleration = 900\nstop_jerk = 2000"}},
                {.rate_hz = 250}),
       "rig.toml");
-  SlowWay way(rig, std::vector<GoTarget>{{.axis = 0, .position = 190}}, std::vector<double>{0}, slow_share);
-  const double jerk = highest_difference(played(way, 1000), 0, 3, 990);
+  Transit transit(rig, std::vector<GoTarget>{{.axis = 0, .position = 190}}, std::vector<double>{0},
+                  transit_share);
+  const double jerk = highest_difference(played(transit, 1000), 0, 3, 990);
   EXPECT_LE(jerk, 2000 * (1 + 1e-6));
   EXPECT_GT(jerk, 1500);
 }
 
-TEST(SlowWay, FromOutsideTheLimitsIsRefusedAtTheAxis) {
+TEST(Transit, FromOutsideTheLimitsIsRefusedAtTheAxis) {
   const Plan plan = example();
   EXPECT_THAT(
       [&] {
@@ -144,10 +145,10 @@ TEST(SlowWay, FromOutsideTheLimitsIsRefusedAtTheAxis) {
                 HasSubstr("bring it in with inbetween goto --rig "))));
 }
 
-TEST(SlowWay, IsDescribedForSomebodyWhoHasToAgree) {
+TEST(Transit, IsDescribedForSomebodyWhoHasToAgree) {
   const Plan plan = example();
   const std::vector<double> standing{0, 10, -4};
-  const std::string words = SlowWay(*plan.rig(), away_from_start(plan, standing), standing, slow_share)
+  const std::string words = Transit(*plan.rig(), away_from_start(plan, standing), standing, transit_share)
                                 .describe("the rig is not where the move starts:");
   EXPECT_THAT(words, StartsWith("the rig is not where the move starts:\n  slide"));
   EXPECT_THAT(words, HasSubstr("10.000 -> -62.000 deg"));
@@ -169,7 +170,7 @@ Plan quick_plan(int counts_per_mm) {
   return {parse_move(move, "move.toml"), parse_rig(rig, "rig.toml"), {}};
 }
 
-TEST(WayToTheStart, IsNotNeededWithinACountOfTheDrive) {
+TEST(TransitToTheStart, IsNotNeededWithinACountOfTheDrive) {
   const Plan plan = quick_plan(1000);
   EXPECT_TRUE(away_from_start(plan, std::vector<double>{10.0005}).empty()) << "half a count";
   EXPECT_TRUE(away_from_start(plan, std::vector<double>{10.002}).empty()) << "a count";
@@ -177,25 +178,25 @@ TEST(WayToTheStart, IsNotNeededWithinACountOfTheDrive) {
   EXPECT_FALSE(away_from_start(quick_plan(100'000), std::vector<double>{10.0005}).empty()) << "many counts";
 }
 
-TEST(WayToTheStart, ARigThatRestsHalfACountFromTheStartPlaysTheMove) {
+TEST(TransitToTheStart, ARigThatRestsHalfACountFromTheStartPlaysTheMove) {
   const Plan plan = quick_plan(1000);
   const RunReport report =
       run(plan, {.simulated = true, .fast = true, .standing = {{"slide", 10.0005}}, .audience = {}});
   EXPECT_EQ(report.ending, Ending::finished);
 }
 
-TEST(WayToTheStart, ItsWordsShowTheDigitsThatDiffer) {
+TEST(TransitToTheStart, ItsWordsShowTheDigitsThatDiffer) {
   const Plan plan = quick_plan(100'000);
   const std::vector<double> standing{10.0005};
-  const SlowWay way(*plan.rig(), away_from_start(plan, standing), standing, slow_share);
-  EXPECT_THAT(way.describe(""), HasSubstr("10.0005 -> 10.0010 mm"));
+  const Transit transit(*plan.rig(), away_from_start(plan, standing), standing, transit_share);
+  EXPECT_THAT(transit.describe(""), HasSubstr("10.0005 -> 10.0010 mm"));
 }
 
 const std::vector<std::string> from_elsewhere{"run",    reveal,   "--rig",  camera_rig, "--sim",
                                               "--fast", "--from", "pan=10", "--from",   "slide=0"};
 
 // docs/faults.md 27
-TEST(WayToTheStart, WithoutSomebodyWhoAgreesNothingMoves) {
+TEST(TransitToTheStart, WithoutSomebodyWhoAgreesNothingMoves) {
   const ProgramRun run = run_program(from_elsewhere);
   EXPECT_EQ(run.status, 1);
   EXPECT_EQ(run.out, "");
@@ -203,7 +204,7 @@ TEST(WayToTheStart, WithoutSomebodyWhoAgreesNothingMoves) {
   EXPECT_THAT(run.err, HasSubstr("--yes"));
 }
 
-TEST(WayToTheStart, WithYesTheRigGoesThereAndThenPlaysTheMove) {
+TEST(TransitToTheStart, WithYesTheRigGoesThereAndThenPlaysTheMove) {
   std::vector<std::string> arguments = from_elsewhere;
   arguments.emplace_back("--yes");
   const ProgramRun run = run_program(arguments);
@@ -214,21 +215,21 @@ TEST(WayToTheStart, WithYesTheRigGoesThereAndThenPlaysTheMove) {
   EXPECT_THAT(run.out, HasSubstr("1640.0000"));
 }
 
-TEST(WayToTheStart, IsAsFastAsItWasSaidAndNoFasterThanTheLimits) {
+TEST(TransitToTheStart, IsAsFastAsItWasSaidAndNoFasterThanTheLimits) {
   const Plan plan = example();
   const TemporaryFolder folder;
   std::string question;
   const auto fastest_of = [&](double share) {
     SessionOptions rig{.simulated = true, .fast = true, .standing = {{"slide", 900}}};
-    rig.record = (folder.path() / fmt::format("way{}.csv", share)).string();
+    rig.record = (folder.path() / fmt::format("transit{}.csv", share)).string();
     rig.audience.confirm = [&](const std::string& asked) {
       question = asked;
       return true;
     };
-    // Stopped before the move, so that the record is of the way alone.
+    // Stopped before the move, so that the record is of the transit alone.
     int tick = 0;
     rig.audience.keys = [&] { return ++tick == 400 ? "q" : ""; };
-    EXPECT_EQ(run(plan, rig, {.approach_share = share}).ending, Ending::stopped);
+    EXPECT_EQ(run(plan, rig, {.start_share = share}).ending, Ending::stopped);
     std::ifstream file(*rig.record);
     std::string line;
     double fastest = 0;
@@ -245,7 +246,7 @@ TEST(WayToTheStart, IsAsFastAsItWasSaidAndNoFasterThanTheLimits) {
     return fastest;
   };
   const double max_velocity = plan.rig()->axes[0].max_velocity;
-  EXPECT_NEAR(fastest_of(slow_share), 0.1 * max_velocity, 0.01 * max_velocity);
+  EXPECT_NEAR(fastest_of(transit_share), 0.1 * max_velocity, 0.01 * max_velocity);
   EXPECT_THAT(question, HasSubstr("at 10 % of its limits at most"));
   const double half = fastest_of(0.5);
   EXPECT_LE(half, 0.5 * max_velocity * (1 + 1e-6));
@@ -253,7 +254,7 @@ TEST(WayToTheStart, IsAsFastAsItWasSaidAndNoFasterThanTheLimits) {
   EXPECT_THAT(question, HasSubstr("at 50 % of its limits at most"));
 }
 
-TEST(WayToTheStart, ASpeedBeyondTheLimitsIsRefused) {
+TEST(TransitToTheStart, ASpeedBeyondTheLimitsIsRefused) {
   for (const char* speed : {"1.01", "0", "-1", "x"}) {
     std::vector<std::string> arguments = from_elsewhere;
     arguments.insert(arguments.end(), {"--yes", "--speed", speed});
@@ -267,7 +268,7 @@ TEST(WayToTheStart, ASpeedBeyondTheLimitsIsRefused) {
   EXPECT_THAT(jitter.err, HasSubstr("with --allow-jitter --speed is 0.1 at most"));
 }
 
-TEST(WayToTheStart, OneThatIsDeclinedMovesNothing) {
+TEST(TransitToTheStart, OneThatIsDeclinedMovesNothing) {
   const Plan plan = example();
   const RunReport report = run(plan, {.simulated = true,
                                       .fast = true,
@@ -278,7 +279,7 @@ TEST(WayToTheStart, OneThatIsDeclinedMovesNothing) {
   EXPECT_EQ(report.axes[1].last_actual, 10);
 }
 
-TEST(WayToTheStart, CanBeStoppedAndLeft) {
+TEST(TransitToTheStart, CanBeStoppedAndLeft) {
   const Plan plan = example();
   int tick = 0;
   const RunReport report = run(plan, {.simulated = true,
@@ -292,7 +293,7 @@ TEST(WayToTheStart, CanBeStoppedAndLeft) {
   EXPECT_GT(report.axes[1].last_actual, -62);
 }
 
-TEST(WayToTheStart, AnAxisThatTheRigDoesNotHaveIsRefused) {
+TEST(TransitToTheStart, AnAxisThatTheRigDoesNotHaveIsRefused) {
   const ProgramRun run =
       run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--from", "roll=1"});
   EXPECT_EQ(run.status, 1);
@@ -308,5 +309,5 @@ TEST(WayToTheStart, AnAxisThatTheRigDoesNotHaveIsRefused) {
   EXPECT_EQ(twice.status, 2);
 }
 
-}  // namespace slow_way_test
+}  // namespace transit_test
 }  // namespace inbetween
