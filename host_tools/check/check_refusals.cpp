@@ -389,7 +389,7 @@ void refuse_stop(const Plan& plan, const PlannedStops& planned, CheckReport& rep
   const std::string_view limit = by_jerk ? "stop_jerk" : "stop_acceleration";
   const std::string_view unit = planned.is_of_motor() ? to_string(plan.rig()->axes[index].calibration->unit)
                                                       : std::string_view(axis.unit);
-  // A bound of a stretch may be above the one of the whole move, which is nearer to the truth.
+  // A bound of a cell may be above the one of the whole move, which is nearer to the truth.
   double peak = by_jerk ? axis.jerk.value : axis.acceleration.value;
   if (planned.is_of_motor()) peak = obstacle.value;
   const auto [value, most] =

@@ -59,7 +59,7 @@ struct FollowLayout {
   std::vector<std::size_t> aim;       // x, y, z; empty: nowhere
 };
 
-/// A stretch on which the bounds do not become small enough.
+/// A part of a segment on which the bounds do not become small enough.
 struct FollowObstacle {
   PathPoint where;      // of the drawn path
   std::size_t row = 0;  // of those that follow, the one that turns most there

@@ -25,7 +25,7 @@ struct TableMotor {
   double zero = 0;
 };
 
-/// A stretch of time of a group: with u = (time - begin) * per_frame, 0 to 1, each of its positions is
+/// A piece of the motion of a group: with u = (time - begin) * per_frame, 0 to 1, each of its positions is
 /// c[0] + c[1] u + ... + c[degree] u^degree, c being its coefficients.
 struct TablePiece {
   FrameTime begin;
