@@ -17,9 +17,11 @@
 namespace inbetween {
 namespace {
 
-/// How often more keys are eased, where the first ones show others.
+/// How often more keys are eased, where the first ones show others. Each round is a solution of the move
+/// (find_cure promises fifty at most).
 constexpr int max_ease_rounds = 3;
-/// The same of keys that are written twice: a round shows one place of each axis.
+/// The same of keys that are written twice: a round shows one place of each axis, so that more of them are
+/// needed (Cure.OfSixKeysThatTurnBackThoseThatNeedItRest needs two).
 constexpr int max_rest_rounds = 8;
 
 /// A move that may be better, and what was changed of the one that was refused.
@@ -340,10 +342,12 @@ std::size_t size_of(const MoveFile& move) {
   return size;
 }
 
-/// In so many times as many frames it is another move.
+/// In so many times as many frames it is another move: one that was tried and fitted took 940 576 frames for
+/// 96. Cure.InTwentyTimesAsManyFramesItIsNoAdvice.
 constexpr std::int64_t max_times_slower = 20;
 
-/// A speed curve is named before other changes if it differs by no more than this share of its mean.
+/// A speed curve is named before other changes if it differs by no more than this share of its mean: one that
+/// differs by more is another motion than the one that was drawn.
 constexpr double small_change = 0.1;
 
 bool is_small(const SpeedFit& fit) {

@@ -8,6 +8,7 @@
 namespace inbetween {
 namespace {
 
+/// So many uniform cubic B-splines are above 0 on a span.
 constexpr std::size_t splines_on_span = 4;
 
 /// The four B-splines of a span at t, each weighted: with its area from -infinity, its value and its first

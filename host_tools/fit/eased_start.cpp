@@ -8,16 +8,18 @@
 
 #include "host_tools/fit/control_curve.hpp"
 #include "host_tools/fit/fewest_frames.hpp"
+#include "host_tools/fit/speed_fit.hpp"
 #include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {
 
+/// The distances of the axes are summed over so many points. They only say in which proportion frames are
+/// shared out at first.
 constexpr int points_per_stretch = 256;
 /// A stretch from rest to rest has at least so many control values, for it rises from 0 and returns to 0
-/// within them.
+/// within them, and the values beside a rest are 0 too.
 constexpr std::size_t min_values_per_stretch = 16;
-constexpr std::size_t max_start_values = 600;
 
 /// A place where the move rests or touches 0, or an end of it.
 struct RestingPlace {
@@ -96,7 +98,7 @@ std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted) {
   if (std::ranges::none_of(places, &RestingPlace::is_free)) return std::nullopt;
   share_out(fitted, places);
   std::vector<double> values = fitted.solved().control_values();
-  while (values.size() < min_values_per_stretch * places.size() && 2 * values.size() <= max_start_values) {
+  while (values.size() < min_values_per_stretch * places.size() && 2 * values.size() <= max_refined_values) {
     values = refined(values, fitted.ends());
   }
   const std::vector<bool> rests = rests_of(values, fitted.ends());

@@ -8,7 +8,8 @@
 
 namespace inbetween {
 
-/// A curve of so many control values is edited by hand as it is.
+/// A curve of so many control values is edited by hand as it is, a few of them an action:
+/// SpeedFit.ACurveOfFewValuesIsEditableAsItIs.
 inline constexpr std::size_t max_editable_values = 12;
 
 /// Looks for each track whose new curve has more than max_editable_values for one of fewer with which the

@@ -11,6 +11,8 @@
 namespace inbetween {
 namespace {
 
+/// The time of a segment is the sum of what each of so many parts takes at least. Fewer give a bound that is
+/// proven too, and lower; the time that the bound takes grows with them.
 constexpr int stretches_per_segment = 64;
 /// A turn smaller than this share of the largest position of an axis counts as rounding: the axis goes on.
 constexpr double turn_rounding = 1e-9;

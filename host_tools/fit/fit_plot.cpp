@@ -3,6 +3,8 @@
 namespace inbetween {
 namespace {
 
+/// As many as an axis over time has in the picture of a plan (smooth_samples in plan_plot.cpp): it looks
+/// smooth.
 constexpr int curve_samples = 1200;
 
 /// phi over the frames 0..`frames` of the picture.

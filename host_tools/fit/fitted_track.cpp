@@ -13,9 +13,9 @@ namespace {
 constexpr double reading_rounding = 1e-7;
 /// Nothing moves between two locks with less Phi between them than this share of Phi(f).
 constexpr double still_share = 1e-12;
-/// A control value influences the curve this far on either side. Reading a curve brings every value to rest
-/// that is nearer to a hold than `hold_reach`.
+/// A control value influences the curve this far on either side: so wide is a uniform cubic B-spline.
 constexpr double value_reach = 2;
+/// Reading a curve brings every value to rest that is nearer to a hold than this.
 constexpr double hold_reach = 3;
 
 Plan plan_of(const Plan& plan, std::size_t index) {

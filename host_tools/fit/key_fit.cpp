@@ -13,7 +13,8 @@ namespace {
 /// A key bends a smooth path less by a factor of 3.7 with each key farther on: beyond so many keys nothing is
 /// left of it.
 constexpr double key_reach = 6;
-/// A point slides so far along the path in one step, in segments.
+/// A point slides so far along the path in one step, in segments: half a segment either way holds the nearest
+/// place, and no place beyond a neighbouring key.
 constexpr double slide_reach = 0.5;
 
 PathPoint point_of(const Path& path, double s) {
@@ -89,7 +90,7 @@ double KeyFit::square_at(std::size_t point, double s) const {
 /// Every other one goes to the nearest place around its own, but they keep their order: the best of a few,
 /// and from there by golden section.
 void KeyFit::slide(double reach) {
-  constexpr int tries = 12;
+  constexpr int tries = 12;  // a segment is a cubic: a piece so short has one place that is nearest
   constexpr double golden = 0.6180339887498949;
   const double last = path_->segment_count();
   for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -261,7 +262,7 @@ void KeyFit::descend(int steps) {
 }
 
 double KeyFit::excursion() const {
-  constexpr int looks = 8;  // between two points
+  constexpr int looks = 8;  // between two points: enough to see a loop, which is longer than their distance
   double most = 0;
   for (std::size_t i = 0; i + 1 < places_.size(); ++i) {
     for (int k = 1; k < looks; ++k) {

@@ -12,11 +12,14 @@
 namespace inbetween {
 namespace {
 
-/// A limit counts as this share larger, for the rounding of what is held against it.
+/// A limit counts as this share larger, for the rounding of what is held against it. Without it
+/// LimitsOfLocks.AreNeverToldToExcludeAMotionThatKeepsThem may find a motion at a limit excluded; with more a
+/// proof is missed.
 constexpr double limit_rounding = 1e-6;
 /// A position may be off by this share of it.
 constexpr double place_rounding = 1e-9;
-/// A place so near to a key, in t, is the key, where the direction of the path may change.
+/// A place so near to a key, in t, is the key, where the direction of the path may change: the place of a
+/// lock is found by its distance, with more error than its t is told apart by here.
 constexpr double key_rounding = 1e-6;
 /// An axis that makes up a smaller share of the direction of the path says nothing of the speed along it.
 constexpr double min_share = 1e-9;
@@ -26,7 +29,7 @@ struct Range {
   double high = 0;
 };
 
-/// Halvings of an interval of velocities: to the last bit.
+/// Halvings of an interval of velocities: 54 come to its last bit.
 constexpr int halvings = 60;
 
 /// How an axis may move between two places.

@@ -17,7 +17,8 @@ namespace inbetween {
 namespace {
 
 /// Of the tolerance: how near the path of one axis, and at least that of the first keys, comes to the motion
-/// without noise.
+/// without noise. The other half is for the noise that is left in it
+/// (MotionFitProperty.AHandsMotionComesBackWithinItsToleranceAndTwoPercentOfItsPeakSpeed).
 constexpr double key_share = 0.5;
 /// Or so much of how far the motion reaches: enough for the first keys to show how it winds.
 constexpr double coarse = 0.03;
@@ -27,17 +28,23 @@ constexpr double worth = 0.1;
 constexpr double farthest_astray = 2;
 /// Keys are no nearer to each other, in tolerances: where the hand stands they would follow its noise.
 constexpr double nearest_keys = 4;
-/// The search for keys ends where so many more of them gain nothing; each time the keys descend so far.
+/// The search for keys ends where so many more of them gain nothing: a key that gains nothing may be one of
+/// two that do.
 constexpr int max_idle_keys = 3;
+/// Each time a key is added the keys descend so far. The next key moves them again, so that the least is not
+/// needed.
 constexpr int max_key_steps = 12;
 /// No sample is known better than to this share of the tolerance: without noise the criterion would grant as
 /// many control values as there are.
 constexpr double finest = 1e-3;
 /// Control values are tried in steps of a quarter more, up to one for three samples and no more than this.
+/// The criterion grants fewer to a hand; the time grows with them.
 constexpr std::size_t max_spans = 160;
+/// A speed curve counts by its shape: 10 of 100 is written with few digits and leaves room to draw higher.
 constexpr double largest_value = 10;
 /// A hand that is slower than this share of the peak at an end stands there. Its curve rests, because a speed
-/// of 0 that rises at once would step the acceleration.
+/// of 0 that rises at once would step the acceleration:
+/// MotionFit.AHandThatStartsAndStopsAtOnceStillRestsAtItsEnds.
 constexpr double slow_end = 0.05;
 /// The motion without its noise is looked at in so many places between two control values.
 constexpr std::size_t per_span = 8;

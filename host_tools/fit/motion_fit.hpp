@@ -8,6 +8,8 @@
 
 namespace inbetween {
 
+/// Nearly three minutes of a hand at 120 samples a second. Every step of the search for keys costs as many.
+/// The fuzz target edit_request holds what the reader lets pass to it.
 inline constexpr std::size_t max_motion_samples = 20'000;
 
 /// Positions of the axes of one track, with noise.
@@ -46,6 +48,7 @@ struct MotionFit {
 /// Cost: some tens of milliseconds for a few seconds of hand; seconds for a scrawl that needs all keys.
 MotionFit fit_motion(const SampledMotion& sampled);
 
+/// More keys nobody edits by hand. A scrawl that needs all of them takes seconds.
 inline constexpr std::size_t max_drawn_keys = 100;
 
 }  // namespace inbetween

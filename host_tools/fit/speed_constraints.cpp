@@ -8,18 +8,26 @@ namespace {
 
 constexpr std::array<LimitedQuantity, 3> rates = {LimitedQuantity::velocity, LimitedQuantity::acceleration,
                                                   LimitedQuantity::jerk};
-/// A span of the curve has this many moments, or fewer if the curve would have more than max_curve_moments,
-/// but never fewer than min_moments_per_span.
+/// A span of the curve has this many moments, or fewer if the curve would have more than max_curve_moments.
+/// What they miss between them is in the margin that is measured, and a peak that check() finds becomes a
+/// moment. Fewer cost trials; the time of a step grows with them.
 constexpr double moments_per_span = 24;
+/// 66 spans have moments_per_span.
 constexpr double max_curve_moments = 1600;
+/// Never fewer: a span is a cubic, whose speed has two extremes and whose acceleration one.
+/// SpeedFit.OfHundredsOfValuesIsFound has spans with so few.
 constexpr double min_moments_per_span = 8;
 /// A segment of the path has this many moments, and more where the direction turns by turn_between_moments
-/// (rad) between two of them.
+/// between two of them.
 constexpr int moments_per_segment = 10;
+/// In rad: between two such moments the share of an axis in the speed is missed by 0.05^2 / 8, which is 0.03
+/// % and a twentieth of first_margin.
 constexpr double turn_between_moments = 0.05;
+/// A cusp turns within any stretch: the halvings end where the two moments beside it are 1 / 40 960 of the
+/// segment apart.
 constexpr int max_turn_halvings = 12;
 /// As a share of the mean of the curve. The rig counts as standing below this speed, where a moment that
-/// stays on the path has no derivative.
+/// stays on the path has no derivative. At a larger one a moment that matters would be left out.
 constexpr double standing_share = 1e-4;
 
 std::size_t index_of(LimitedQuantity quantity) {

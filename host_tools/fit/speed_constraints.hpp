@@ -16,6 +16,7 @@
 namespace inbetween {
 
 enum class LimitedQuantity : std::uint8_t { velocity, acceleration, jerk, acceleration_step };
+/// Velocity, acceleration, jerk, and the step of the acceleration.
 inline constexpr std::size_t limited_quantities = 4;
 
 /// The share of each limit of one axis that may be used, indexed by LimitedQuantity.

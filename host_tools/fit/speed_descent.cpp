@@ -10,34 +10,51 @@
 namespace inbetween {
 namespace {
 
-/// The price of an excess at first, beside a change that is the square of a share of the mean. The price
-/// rises by price_factor if the excess does not go away. None of 2000 random fits needed more than
-/// highest_price.
+/// The price of an excess at first, beside a change that is the square of a share of the mean. A lower one
+/// needs a second price more often; a higher one hides beside it what a step gains.
 constexpr double first_price = 20;
+/// The price rises by this if the excess does not go away: one step from first_price is beyond highest_price.
 constexpr double price_factor = 1000;
+/// None of 2000 random fits needed more: an excess that stays at this price is taken for one that no curve
+/// nearby avoids.
 constexpr double highest_price = 1e4;
-/// The cost is linear in the excess, but for this share, which is quadratic because the method needs it.
+/// The cost is linear in the excess, but for this share, which is quadratic because the method needs it
+/// (BandProgram::allow_ease). A larger share lets a small excess stand.
 constexpr double quadratic_share = 1e-3;
+/// A radius that only shrinks, to a third or a quarter, is at min_radius after 15 steps; the others gain. The
+/// bound is for gains that get smaller and smaller.
 constexpr int max_steps = 80;
-constexpr double first_radius = 0.5;  // in means of the wanted curve
-constexpr double min_radius = 1e-7;
-/// The last step is one that gains less than this share of the cost.
+/// In means of the wanted curve, as min_radius is: half as much as a usual value has, for the limits are
+/// linearized. It grows after a good step and shrinks after a poor one.
+constexpr double first_radius = 0.5;
+/// A tenth of descent_tolerance: a smaller step changes no verdict.
+constexpr double min_radius = descent_tolerance / 10;
+/// The last step is one that gains less than this share of the cost. It is a square: the change itself gains
+/// half of it.
 constexpr double min_gain = 1e-4;
-/// This is added to the cost, so that the search ends at once for a curve that need not change.
+/// This is added to the cost, so that the search ends at once for a curve that need not change: a thousandth
+/// of the mean, squared.
 constexpr double smallest_cost = 1e-6;
-/// Rounding of the linear conditions.
+/// Rounding of the linear conditions, with values about 1. It is far less than descent_tolerance, by which a
+/// limit may be exceeded.
 constexpr double condition_tolerance = 1e-10;
-/// As a share, and more than a product and a quotient differ by.
+/// As a share, and more than a product and a quotient differ by. With less a value that breaks its limit by
+/// rounding might be passed over, with more some are divided in vain.
 constexpr double comparison_rounding = 1e-14;
 /// At first a step looks only at limits of which so much is used, and then at those that it broke: of
-/// thousands few are active.
+/// thousands few are active. With less the programs are larger, with more there are more looks.
 constexpr double looked_at_share = 0.8;
+/// Each look adds a limit at least that the step broke. A step that needs more looks than this is none, and a
+/// shorter one is tried.
 constexpr int max_looks = 30;
 /// Many keys on few control values make a crowd of moments that say nearly the same. Where there are more
-/// than min_crowded_moments, a look takes of those within 1 / crowds_per_span of a span the one that uses
-/// most of a limit. The last looks take all.
+/// than so many moments, a look takes of each crowd the one that uses most of a limit: a fit with 10 000 keys
+/// takes a fifth of the time. With fewer moments all are looked at.
 constexpr std::size_t min_crowded_moments = 5000;
+/// A crowd lies within this part of a span, which is less than the moments of the curve are apart
+/// (moments_per_span).
 constexpr double crowds_per_span = 64;
+/// So many looks take the foremost of each crowd only. The later ones take all, so that nothing is left out.
 constexpr int crowded_looks = 8;
 
 /// One step of the descent: the limits as linear conditions, about the curve at which the samples are

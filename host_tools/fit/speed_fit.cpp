@@ -23,35 +23,50 @@
 namespace inbetween {
 namespace {
 
-/// The margin below a limit at first, as a share of it. It covers what check() adds to the truth and what the
-/// samples miss.
+/// The margin below every limit at first, as a share of it. It covers what check() adds to the truth and what
+/// the samples miss. The margins that count are measured afterwards: a smaller one costs trials, a larger one
+/// begins further from the drawn curve.
 constexpr double first_margin = 0.006;
-/// The margin is larger by this than the excess of check() over the samples that was measured.
+/// The margin is larger by this than the excess of check() over the samples that was measured. It triples
+/// with each curve that check() refuses, so that a smaller one costs trials.
 constexpr double spare_margin = 2e-5;
-/// A curve of few values keeps only this margin beyond that excess. A descent exceeds a limit by less.
+/// A curve of few values keeps only this margin beyond that excess. A descent exceeds a limit by less, and so
+/// check() passes what the descent has reached. SpeedFit.OfFewValuesUsesTheLimitsUpToWhatIsProven wants a
+/// curve that is found with hardly any margin.
 constexpr double min_spare = 4 * descent_tolerance;
-/// The margin of such a curve grows by this where no peak says how much is missing.
+/// The margin of such a curve grows by this where no peak says how much is missing: in max_rounds by twice
+/// first_margin.
 constexpr double usual_margin = 0.001;
-/// The margins are measured and tried again this often.
+/// The margins are measured and tried again this often. The last of them has spared 3^7 spare_margin, seven
+/// times first_margin: what is refused then is refused for something else.
 constexpr int max_trials = 8;
-/// Refinement ends with so many control values: more are beyond what a person draws. A curve that has as many
-/// because of its locks is refined as well.
-constexpr std::size_t max_refined_values = 600;
+/// A curve of more values may have this many times as many, which are two doublings: it has them because of
+/// its locks, and the room for a change is between them.
 constexpr std::size_t max_growth = 4;
-/// Each doubling of the control values gains this share of the gain before, unless the levels show more.
+/// Each doubling of the control values gains this share of the gain before, unless the levels show more: of
+/// two levels nobody knows yet how the gains fall.
 constexpr double usual_gain_ratio = 0.5;
+/// The search ends where a geometric series of more doublings would leave more than this share of the excess.
+/// It is an estimate, and so a small rest may be none: a smaller share would give up curves that there are, a
+/// larger one descends at every level in vain.
 constexpr double hopeless_share = 0.2;
-/// Nobody knows how many steps a search takes: each is shown as this much less than what was left.
+/// Nobody knows how many steps a search takes: each is shown as this much less than what was left. So the bar
+/// moves with every step and never gets to its end: SpeedFit.ProgressNeverFallsAndEndsBelowOne.
 constexpr double share_left_by_step = 0.98;
 /// A detour is gone on with unless it is further away by this factor than what was found: so much a smaller
-/// margin hardly gains.
+/// margin hardly gains. Of 200 random moves none lost by it, and a fit of 10 000 keys takes a fifth less
+/// time.
 constexpr double detour_reach = 1.05;
-/// A curve with this many values or fewer is cheap enough to be brought nearer by smaller margins.
+/// A curve with this many values or fewer is cheap enough to be brought nearer by smaller margins: each round
+/// is a descent and a proof. SpeedFit.OfFewValuesUsesTheLimitsUpToWhatIsProven has 23 values.
 constexpr std::size_t max_values_tried_again = 64;
-/// It is brought nearer at most this often, and as long as it gains this share of its change.
+/// It is brought nearer at most this often. The excess of check() over the truth differs from curve to curve,
+/// and so the gains need not fall.
 constexpr int max_rounds = 12;
+/// It is brought nearer as long as it gains this share of its change. A descent stops at such a gain itself.
 constexpr double min_gain_of_round = 1e-4;
-/// The curve leans on a limit if it uses this share of the allowance.
+/// The curve leans on a limit if it uses this share of the allowance. The margin is measured only there:
+/// elsewhere the peak of check() may be another one than that of the samples.
 constexpr double leaning_share = 0.97;
 
 /// The peaks in the order of LimitedQuantity.

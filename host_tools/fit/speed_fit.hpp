@@ -44,8 +44,13 @@ struct TrackFit {
   std::optional<FewerValues> fewer = {};  ///< of a curve that is too long to be edited, where one was found
 };
 
-/// How often the played curve is given twice as many control values at most.
+/// How often the played curve is given twice as many control values at most:
+/// SpeedFit.WhereAFewValuesAreTooStiffTheCurveIsRefined needs one doubling. max_refined_values ends it
+/// earlier for a curve of 40 values or more.
 inline constexpr int max_refinements = 4;
+/// Refinement ends with so many control values: more are beyond what a person draws. A curve that has as many
+/// because of its locks is refined as well.
+inline constexpr std::size_t max_refined_values = 600;
 
 struct SpeedFit {
   std::vector<TrackFit> tracks;  ///< only those that change; none where nothing was found

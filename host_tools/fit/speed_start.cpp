@@ -11,12 +11,17 @@
 namespace inbetween {
 namespace {
 
+/// In spans of the drawn curve: it rests with two control values, and the next one is at half the height. A
+/// longer ramp leaves short moves no speed between their rests.
 constexpr double ramp_spans = 2;
-/// A segment has so many points, or fewer if the path would have more than max_points, but never fewer than
-/// min_points_per_segment.
+/// A segment has so many points, which show how its curvature rises and falls
+/// (SpeedFit.TheCurvatureStartMakesTheAccelerationAcrossAnEllipseEven).
 constexpr int points_per_segment = 64;
+/// Of a path of thousands of keys each segment has fewer, but never fewer than so many.
 constexpr int min_points_per_segment = 8;
+/// A path of a thousand segments has points_per_segment; the time grows with the points.
 constexpr int max_points = 64'000;
+/// Of an interval whose ends are a factor of four apart: 54 come to its last bit.
 constexpr int bisections = 100;
 
 /// 0 at the rests, 1 far from them, for every control value.
@@ -46,7 +51,7 @@ std::vector<double> scaled(std::vector<double> values, const StartRequest& reque
   return values;
 }
 
-/// A short stretch of the path.
+/// A short part of a segment.
 struct Reach {
   double fastest = 0;   ///< unit/s
   double bend = 0;      ///< the root of the curvature
