@@ -11,7 +11,7 @@ namespace inbetween {
 namespace {
 
 /// Axes are square to each other, or meet in a point, within this (rad, m). It is less than what a solution
-/// may miss by.
+/// may miss by (TipSolution::max_miss): TipSolver.WhatIsAlmostACraneHasNoClosedForm.
 constexpr double crane_rounding = 1e-12;
 
 /// A joint that moves, with every axis of the rig at 0.

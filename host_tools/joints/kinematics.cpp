@@ -96,7 +96,8 @@ void refuse_mimic_with_axis(const UrdfJoint& joint, const RigFile& rig) {
 }
 
 /// How far beyond a limit of the file the rig may go: as far as a number with so many decimals was rounded or
-/// cut off, and no further than 0.1 deg or 0.05 mm.
+/// cut off, and no further than 0.1 deg or 0.05 mm. Fewer decimals than min_decimals are no rounding of pi.
+/// Kinematics.ALimitThatWasRoundedIsTheSameLimitUpToATenthOfADegree.
 double slack_of(int decimals, UrdfJointKind kind, double value) {
   constexpr int min_decimals = 3;
   constexpr double max_rad = 0.1 * std::numbers::pi / 180;

@@ -15,14 +15,22 @@
 namespace inbetween {
 namespace {
 
+/// Of a descent, and of the search for the solution nearest to `near`: both end by themselves where a step is
+/// rounding. The bound is for what is out of reach, where the steps get smaller and smaller.
 constexpr int max_iterations = 200;
-/// Of the scaled axes in one step: half a radian is as far as the Jacobian is worth something.
+/// Of the scaled axes in one step: half a radian is as far as the Jacobian is worth something. A longer step
+/// may go to another solution than the one it began beside
+/// (InverseProperty.DampedLeastSquaresFindsThePoseThatItBeganBesideAndGoesOnWithIt).
 constexpr double max_step = 0.5;
-/// Places from which a first solution is sought, besides `near`.
+/// Places from which a first solution is sought, besides `near`: a rig without a closed form has several
+/// solutions, and of those that are found the one nearest to `near` counts. Fewer places miss some; each
+/// costs a descent.
 constexpr int seed_count = 24;
-/// Squared singular values below this share of the largest are rounding.
+/// Squared singular values below this share of the largest are rounding: the products of doubles are that
+/// exact.
 constexpr double no_freedom = 1e-16;
-/// A direction that hardly moves at any place, as a share of the largest, is none of the rig's.
+/// A direction that hardly moves at any place, as a share of the largest, is none of the rig's. It is far
+/// below singular_share (axes_in_space.cpp), below which a direction is lost at one place only.
 constexpr double no_rank = 1e-6;
 /// Axes farther from parallel than this (rad) are no arm in a plane.
 constexpr double parallel = 1e-9;

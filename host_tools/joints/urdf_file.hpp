@@ -18,6 +18,8 @@
 
 namespace inbetween {
 
+/// Several times what a humanoid has, whose joints are hundreds. The fuzz target urdf_file holds the reader
+/// to it, and UrdfFile.ThousandsOfLinksAreRead reads as many.
 inline constexpr std::size_t max_urdf_links = 4096;
 /// Largest magnitude of a number: metres and radians of anything that people build.
 inline constexpr double max_urdf_number = 1e6;

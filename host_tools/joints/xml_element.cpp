@@ -15,6 +15,7 @@
 namespace inbetween {
 namespace {
 
+/// As long as the name of a file may be. A name stands in messages, which are lines.
 constexpr std::size_t max_name_bytes = 255;
 constexpr std::string_view blanks = " \t\n\r";
 

@@ -16,10 +16,12 @@ namespace inbetween {
 namespace {
 
 /// Below this share of the rig's best, a direction is lost: the axes would move ten thousand times as fast.
+/// SpaceTrack.APathThatEndsBesideASingularPlaceIsRefused has a path that ends nearer to one than this.
 constexpr double singular_share = 1e-4;
-/// Places between two keys at which the worst of what is out of reach is sought.
+/// Places between two keys at which the worst of what is out of reach is sought, for the message alone.
 constexpr int places_between_keys = 64;
-/// What an axis may be beyond its range by rounding, as a share of the range.
+/// What an axis may be beyond its range by rounding, as a share of the range. Below it an axis that is keyed
+/// at its limit would be refused by rounding.
 constexpr double range_rounding = 1e-9;
 
 /// The length of some rows of a path, as a sum of chords.
@@ -276,7 +278,7 @@ void AxesInSpace::refuse_miss(const PathPoint& place, const std::vector<double>&
 
 void AxesInSpace::refuse_beyond_ranges(
     const FollowedPath& path, const std::function<PathPoint(std::size_t step, double t)>& place_of) const {
-  constexpr int samples = 8;
+  constexpr int samples = 8;  // of a cubic that is one of many parts between two keys
   const std::size_t rows = path.weights.size();
   double worst = range_rounding;
   std::size_t axis_of_worst = 0;

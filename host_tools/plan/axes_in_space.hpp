@@ -16,7 +16,8 @@
 
 namespace inbetween {
 
-/// Of the length of the path: a tenth of what a move in space may be off.
+/// Of the length of the path: a tenth of what a move in space may be off, 1e-6, to which
+/// SpaceTrack.TheHandGoesWhereItIsDrawnWithItsElbowOnTheSideThatIsAsked holds it.
 inline constexpr double off_share = 1e-7;
 /// A length that is nothing (m), for paths that stay in one place.
 inline constexpr double min_length = 1e-6;

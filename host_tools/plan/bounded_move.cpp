@@ -10,6 +10,8 @@
 namespace inbetween {
 namespace {
 
+/// Room for the steps of most moves. Where they are more, their number is told and the move is bounded once
+/// more.
 constexpr std::size_t usual_steps = 64;
 
 /// What bound_move works in.

@@ -17,7 +17,8 @@ constexpr double curve_rounding = 1e-12;
 /// A ramp between rest and the curve as drawn takes this many spans at least.
 constexpr double min_ramp_spans = 4;
 
-/// A sweep over the equations of a periodic curve leaves a quarter of the error.
+/// A sweep over the equations of a periodic curve leaves a quarter of the error: 27 leave its rounding, and
+/// more change nothing.
 constexpr int max_sweeps = 40;
 
 std::vector<double> on_twice_as_many(std::vector<double> values, CurveEnds ends = CurveEnds::natural) {

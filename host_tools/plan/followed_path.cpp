@@ -12,10 +12,13 @@
 namespace inbetween {
 namespace {
 
+/// Each segment of the drawn path begins with so many parts, and has twice as many where the bounds are not
+/// good enough: fewer cost another round, more are solved for nothing on a path that is nearly straight.
 constexpr std::int16_t first_parts = 8;
-/// Where a stretch between two keys would need more, the axes turn at once.
+/// Where a segment would need more, the axes turn at once, and that is refused.
 constexpr std::int16_t max_parts = 2048;
-/// Below this share of the fastest between two keys, the speed is compared with that share.
+/// Below this share of the fastest between two keys, the speed is compared with that share: near a rest any
+/// error is a large share of the speed itself. FollowAccuracy::speed_share says so.
 constexpr double slow_share = 0.01;
 
 using Row = Follower::Row;

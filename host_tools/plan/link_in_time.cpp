@@ -11,7 +11,8 @@
 namespace inbetween {
 namespace {
 
-/// Of the largest velocity or acceleration: a smaller step is rounding.
+/// Of the largest velocity or acceleration: a smaller step is rounding. With less a smooth motion is refused
+/// for a step that nobody made.
 constexpr double visible_step_share = 1e-6;
 /// Of a position: what its rounding may make of it in a frame. What stands, or goes evenly, has no velocity
 /// or no acceleration of which a share could be taken.

@@ -16,7 +16,8 @@ struct NearKeys {
   double times_nearer = 0;  ///< than the nearer of their other neighbours
 };
 
-/// Keys so many times nearer to each other than to their neighbours are named.
+/// Keys so many times nearer to each other than to their neighbours are named: between them a path turns on
+/// the spot, and 0.1 mm asked for 19 535 frames. Cure.KeysThatAreNearlyInOnePlaceAreNamedWithTheirDistance.
 inline constexpr double min_times_nearer = 50;
 
 /// All such keys of a track whose path goes by distance and is not straight between keys, in their order. The

@@ -16,9 +16,10 @@ constexpr std::int64_t quarters_per_frame = 4;
 constexpr std::size_t max_parts_per_frame = 4;
 
 /// As a share of the range of an axis: what a number may lose that is written in a file and converted to
-/// another unit. In ulp of the largest number of the axis, where the range is small beside that: what
-/// evaluating a cubic may lose.
+/// another unit.
 constexpr double closed_share = 1e-9;
+/// In ulp of the largest number of the axis, where the range is small beside that: what evaluating a cubic
+/// may lose.
 constexpr double max_gap_ulps = 8;
 
 Cubic plus(const Cubic& a, double weight, const Cubic& b) {

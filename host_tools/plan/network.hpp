@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "inbetween/path/path.hpp"
 
@@ -63,8 +64,9 @@ struct NetworkPath {
   std::vector<FrameKnot> knots;
 };
 
-/// Segments of a network: as many as a track with the most keys can have.
-inline constexpr std::size_t max_network_segments = 40'000;
+/// Segments of a network: as many as a track with the most keys can have, which are four a key beside rests.
+/// Network.TooManyPiecesAreRefused.
+inline constexpr std::size_t max_network_segments = 4 * max_keys;
 
 /// A key and a drawn curve of one axis that are not in one place on the frame of the key.
 struct NetworkGap {

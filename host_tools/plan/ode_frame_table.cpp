@@ -11,9 +11,14 @@ namespace {
 
 /// How far beyond its end the path is extended, in s (design: the paper's slack).
 constexpr double slack = 0.5;
-/// The last frame may miss the end of the path by this much in s and is then put on it.
+/// The last frame may miss the end of the path by this much in s and is then put on it:
+/// RungeKutta.RefusesATableThatMissesTheLastKey.
 constexpr double end_tolerance = 1e-6;
+/// A table whose speed is off by more is refused, with more steps a frame as the remedy:
+/// RungeKutta.RefusesASpeedMoreThanTwoPercentOffAndAsksForMoreSteps.
 constexpr double worst_speed_error_allowed = 0.02;
+/// Of the search for K: ZEROIN halves its interval at least every few trials, and a hundred are far more than
+/// the digits of K. It also ends the search for an interval.
 constexpr std::int32_t max_integrations = 100;
 
 /// The speed of one segment, precomputed for the integration: sigma(t) = sqrt(q(t)) / scale.

@@ -14,7 +14,8 @@ namespace {
 
 /// Nobody reads more lines of one track.
 constexpr std::size_t max_lines = 20;
-/// Of a tolerance: a corner that uses less is short of legs, and the rest is rounding.
+/// Of a tolerance: a corner that uses less is short of legs (Round.HalfOfTheShorterLegIsTheMostThatIsUsed),
+/// and the rest is rounding.
 constexpr double used_share = 1 - 1e-9;
 
 std::string unit_of_axis(const Plan& plan, std::size_t track, std::size_t axis) {

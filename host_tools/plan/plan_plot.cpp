@@ -20,10 +20,13 @@
 namespace inbetween {
 namespace {
 
+/// A cubic through so many points looks smooth across a whole picture.
 constexpr std::size_t samples_per_segment = 64;
+/// As a segment; a span of a speed curve is narrower.
 constexpr std::size_t samples_per_span = 32;
 /// An axis over time has about so many samples, and looks smooth; a frame has at least one.
 constexpr int smooth_samples = 1200;
+/// A move of few frames has no more than this: it looks smooth with them.
 constexpr int max_samples_per_frame = 32;
 
 void sample_path(const Track& track, PlotTrack& plot) {

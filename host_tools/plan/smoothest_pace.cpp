@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/numerics/band_program.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "inbetween/timing/integral_row.hpp"
@@ -14,11 +15,13 @@
 namespace inbetween {
 namespace {
 
-constexpr std::int32_t max_pace_spans = 2047;
+/// A speed curve has no more control values than a file may hold: one more than spans.
+constexpr std::int32_t max_pace_spans = static_cast<std::int32_t>(max_control_values) - 1;
 /// Between two rests that lie off the knots, two spans are lost and four are the least that a speed takes.
 constexpr std::int32_t spans_in_shortest = 6;
+/// A curve between two rests has four control values that are 0, and five others that shape it.
 constexpr std::int32_t min_pace_spans = 8;
-/// A key may be missed by this share of the length: more is no rounding.
+/// A key may be missed by this share of the length: more is no rounding, and no curve.
 constexpr double acceptable_pace_miss = 1e-11;
 
 Error unmet(std::int32_t key, std::int32_t frame) {

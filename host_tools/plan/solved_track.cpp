@@ -10,7 +10,7 @@
 namespace inbetween {
 namespace {
 
-/// At the default delta a segment takes about 17 pieces; what is missing is told by the core.
+/// At the default delta a segment takes about 17 pieces; where more are needed the core tells how many.
 constexpr std::size_t usual_pieces_per_segment = 24;
 /// A path over frames has so many beside a rest, and one with rounded corners.
 constexpr std::size_t max_segments_between_keys = 5;

@@ -19,7 +19,8 @@
 
 namespace inbetween {
 
-/// Locked keys, holds and touches may refine a drawn curve up to this many control values.
+/// Locked keys, holds and touches may refine a drawn curve up to this many control values: three doublings of
+/// the longest curve that a file holds. The memory of a solution grows with them.
 inline constexpr std::size_t max_lock_values = 16385;
 
 /// An error of the core on its way through code that uses exceptions.

@@ -17,13 +17,18 @@
 namespace inbetween {
 namespace {
 
+/// 128 times the steps that most begin with (min_steps_per_frame): motion that needs more has a jump, and is
+/// refused with a remedy.
 constexpr std::int32_t max_steps_per_frame = 256;
+/// Each step is a solution of the joints and a cubic for every axis, so that the bound is one of memory and
+/// time. The refusal names it (SpaceTrack.AnAimThatCannotBeFollowedIsRefusedInOneLine).
 constexpr std::size_t max_time_steps = 200'000;
-/// A tenth of what a crane's aim may be off (0.01 deg), and half of what a speed may (1e-4).
-constexpr double max_aim_rad = 2e-5;
+/// As on a path over its length: a tenth of what a crane's aim may be off (0.01 deg).
+constexpr double max_aim_rad = FollowTolerance{}.aim_rad;
+/// Half of what a speed may be off (1e-4).
 constexpr double max_speed_share = 5e-5;
-/// Between two keys: more would only follow what has a jump.
-constexpr std::int32_t max_aim_parts = 32'767;
+/// Between two keys: as many as a FrameKnot counts.
+constexpr std::int32_t max_aim_parts = std::numeric_limits<std::int16_t>::max();
 
 /// The cubic on one step that has these places and velocities (per step) at its ends.
 Cubic between(double from, double velocity, double to, double end_velocity) {

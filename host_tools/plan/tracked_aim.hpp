@@ -21,6 +21,7 @@ struct TrackedPath {
   std::int32_t steps_per_frame = 0;
 };
 
+/// The fewest with which a frame has a step inside: what only its frames show would bend between them.
 inline constexpr std::int32_t min_steps_per_frame = 2;
 
 /// `drawn` is the track through the keys, `aim` the path of the link that is looked at, or null. The steps

@@ -13,7 +13,8 @@ namespace {
 
 /// A mean that is above 100 by less than this share may be so by rounding.
 constexpr double mean_rounding = 1e-6;
-/// The advice leaves this share of room.
+/// The advice leaves this share of room: a curve that is lowered by exactly what is missing would need a mean
+/// of exactly 100.
 constexpr double advised_room = 0.01;
 
 /// The stretch from one lock to the next, and the mean that the curve needs while it is passed.
