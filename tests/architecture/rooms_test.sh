@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Holds rooms.sh and walk.sh to their word: a copy of the tree passes, and each wrong change alone is refused with the
-# right reason.
+# Holds rooms.sh, walk.sh and constants.sh to their word: a copy of the tree passes, and each wrong change alone is
+# refused with the right reason.
 #
 #   rooms_test.sh ROOT
 set -euo pipefail
@@ -37,6 +37,7 @@ refuses() {
 fresh_tree
 bash "$scripts/rooms.sh" "$tree" || failures=$((failures + 1))
 bash "$scripts/walk.sh" "$tree" || failures=$((failures + 1))
+bash "$scripts/constants.sh" "$tree" || failures=$((failures + 1))
 
 core=firmware_core/include/inbetween
 refuses rooms.sh "$core/path/README.md: error: there is none" rm $core/path/README.md
@@ -60,5 +61,12 @@ refuses walk.sh 'cia402.hpp and firmware_core/include/inbetween/can/frame.hpp do
 # shellcheck disable=SC2016  # $d is sed's last line
 refuses walk.sh 'a walk from a file to the wire has more' sed -i '/^9\./,$d' docs/walk.md
 
+refuses constants.sh 'error: first_margin has no comment' \
+  sed -i 's/^constexpr double first_margin/\n&/' host_tools/fit/speed_fit.cpp
+refuses constants.sh 'plan/near_keys.hpp:1: error: limit has no comment' \
+  sed -i '1iinline constexpr std::int32_t limit{7};' host_tools/plan/near_keys.hpp
+refuses constants.sh 'no constant was found' \
+  sed -i 's/^\(inline \)\?constexpr //' host_tools/{fit,plan,joints}/*.[ch]pp
+
 ((failures == 0)) || exit 1
-printf 'rooms.sh, walk.sh: every sample judged rightly\n'
+printf 'rooms.sh, walk.sh, constants.sh: every sample judged rightly\n'
