@@ -21,7 +21,7 @@ namespace {
 /// refused with a remedy.
 constexpr std::int32_t max_steps_per_frame = 256;
 /// Each step is a solution of the joints and a cubic for every axis, so that the bound is one of memory and
-/// time. The refusal names it (SpaceTrack.AnAimThatCannotBeFollowedIsRefusedInOneLine).
+/// time. The refusal names it.
 constexpr std::size_t max_time_steps = 200'000;
 /// As on a path over its length: a tenth of what a crane's aim may be off (0.01 deg).
 constexpr double max_aim_rad = FollowTolerance{}.aim_rad;

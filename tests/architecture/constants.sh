@@ -14,7 +14,7 @@ awk '
       name = $0
       sub(/( =|\{).*/, "", name)
       sub(/.* /, "", name)
-      printf "%s:%d: error: %s has no comment; say above it why it has this size, and which test finds another one wrong\n",
+      printf "%s:%d: error: %s has no comment; say above it why it has this size, and which test holds it\n",
         FILENAME, FNR, name
       missing++
     }
