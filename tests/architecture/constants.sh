@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Every number that fit, plan and joints name in a namespace has a comment above or behind it, which says why the number
+# Every number that fit, plan, joints and numerics name in a namespace has a comment above or behind it, which says why the number
 # has this size. Whether the reason is a good one is for a reader. Prints the names without one, and fails.
 #
 #   constants.sh ROOT
 set -euo pipefail
 cd "$1"
-mapfile -t files < <(find host_tools/{fit,plan,joints} -name '*.[ch]pp' | sort)
+mapfile -t files < <(find host_tools/{fit,plan,joints,numerics} -name '*.[ch]pp' | sort)
 awk '
   FNR == 1 { has_comment = 0 }
   /^(inline |static )?constexpr (int|float|double|auto|std::size_t|std::u?int[0-9]+_t) [a-z_0-9]+( =|\{)/ {
