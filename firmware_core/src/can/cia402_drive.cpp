@@ -1,14 +1,11 @@
 #include "inbetween/can/cia402_drive.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace inbetween::can {
 namespace {
 
 using enum DrivePhase;
-
-constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
 /// How far `a` is from `b`; counts may be at opposite ends of their range.
 std::int64_t distance(std::int32_t a, std::int32_t b) {
@@ -59,40 +56,26 @@ Cia402Drive::Cia402Drive(const Cia402Settings& settings)
       runner_(settings.setup.node, settings.sdo_timeout_ns),
       exit_(settings.setup.node, settings.sdo_timeout_ns, settings.setup.is_guarded),
       heartbeat_({.timeout_ns = settings.heartbeat_timeout_ns, .boot_timeout_ns = settings.boot_timeout_ns}),
-      ticks_to_forgive_(settings.bad_frame_ticks) {
+      log_({.limit = settings.bad_frame_limit, .ticks = settings.bad_frame_ticks}),
+      rest_(settings.rest_counts, settings.rest_ns) {
   if (settings.homing) homing_.emplace(*settings.homing);
 }
 
-bool Cia402Drive::enable(std::int64_t now_ns) {
-  return findings_.empty() && apply(DriveEvent::enable, now_ns);
-}
-
 void Cia402Drive::acknowledge() {
-  findings_.clear();
-  first_finding_.reset();
+  log_.acknowledge();
   emergency_ns_.reset();
-  bad_frame_level_ = 0;
 }
 
-bool Cia402Drive::apply(DriveEvent event, std::int64_t now_ns) {
-  const DriveStep step = next_phase(phase_, event);
-  if (step.is_refused) return false;
-  if (step.phase != phase_) enter(step.phase, now_ns);
-  return true;
-}
-
-void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
-  phase_ = phase;
-  phase_deadline_ns_ = never;
+void Cia402Drive::enter(std::int64_t now_ns) {
   if (homing_) homing_->lose();
   order_.reset();
   is_seeded_ = false;
-  switch (phase) {
+  switch (phase()) {
     case booting:
+      clock_.set_deadline(now_ns + settings_.boot_timeout_ns);
       order_ = settings_.reset;
       has_tried_all_rpdos_ = false;
       use_rpdo(1);
-      phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
       heartbeat_.stop();
       feedback_ = {};
       has_feedback_ = false;
@@ -108,8 +91,8 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       runner_.begin(script_);
       break;
     case starting:
+      clock_.set_deadline(now_ns + settings_.boot_timeout_ns);
       order_ = NmtCommand::start;
-      phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
       watch_heartbeat(now_ns);
       host_heartbeat_sent_ = false;
       missed_in_row_ = 0;
@@ -117,10 +100,10 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       break;
     case clearing:
     case stopping:
-      phase_deadline_ns_ = now_ns + settings_.stop_timeout_ns;
+      clock_.set_deadline(now_ns + settings_.stop_timeout_ns);
       break;
     case enabling:
-      phase_deadline_ns_ = now_ns + settings_.enable_timeout_ns;
+      clock_.set_deadline(now_ns + settings_.enable_timeout_ns);
       modeless_ns_.reset();
       enabled_ns_.reset();
       if (homing_) homing_.emplace(*settings_.homing);
@@ -131,9 +114,8 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
       is_commanded_ = false;
       break;
     case disabling:
-      phase_deadline_ns_ = now_ns + settings_.disable_timeout_ns;
-      rest_since_ns_.reset();
-      is_resting_ = false;
+      clock_.set_deadline(now_ns + settings_.disable_timeout_ns);
+      rest_.begin();
       exit_.hush();
       break;
     case leaving:
@@ -142,11 +124,7 @@ void Cia402Drive::enter(DrivePhase phase, std::int64_t now_ns) {
     case gone:
       has_lost_touch_ = true;
       break;
-    case off:
-    case idle:
-    case disabled:
-    case abandoned:
-    case refused:
+    default:
       break;
   }
 }
@@ -160,16 +138,6 @@ void Cia402Drive::watch_heartbeat(std::int64_t now_ns) {
   heartbeat_.start(now_ns);
 }
 
-void Cia402Drive::find(DriveFinding finding) {
-  findings_.add(finding);
-  if (!first_finding_) first_finding_ = finding;
-}
-
-void Cia402Drive::find_lasting(DriveFinding finding) {
-  lasting_.add(finding);
-  find(finding);
-}
-
 std::optional<Frame> Cia402Drive::note_host_heartbeat() {
   host_heartbeat_sent_ = true;
   const bool is_asked = settings_.setup.is_guarded && needs_sync();
@@ -180,37 +148,28 @@ std::optional<Frame> Cia402Drive::note_host_heartbeat() {
 
 void Cia402Drive::note_foreign_frame() {
   ++counters_.foreign_frames;
-  find(DriveFinding::foreign_sender);
-}
-
-bool Cia402Drive::is_supervised() const {
-  return phase_ == idle || phase_ == clearing || phase_ == enabling || phase_ == following ||
-         phase_ == stopping;
+  log_.find(DriveFinding::foreign_sender);
 }
 
 bool Cia402Drive::has_process_data() const {
-  return phase_ == starting || phase_ == disabling || phase_ == disabled || is_supervised();
+  return phase() == starting || phase() == disabling || phase() == disabled || clock_.is_supervised();
 }
 
 void Cia402Drive::tick(std::int64_t now_ns) {
-  lasting_.clear();
+  log_.begin_tick();
   if (has_process_data()) count_ticks();
-  if (is_supervised()) watch_connection(now_ns);
+  if (clock_.is_supervised()) watch_connection(now_ns);
   judge_emergency(now_ns);
   advance(now_ns);
   watch_deadline(now_ns);
-  const bool is_on_its_way = phase_ == clearing || phase_ == enabling;
-  if (is_on_its_way && !findings_.empty()) apply(DriveEvent::dropped_out, now_ns);
+  if (clock_.is_switching_on() && !log_.empty()) apply(DriveEvent::dropped_out, now_ns);
 }
 
 void Cia402Drive::count_ticks() {
-  if (--ticks_to_forgive_ <= 0) {
-    ticks_to_forgive_ = settings_.bad_frame_ticks;
-    bad_frame_level_ = std::max<std::int32_t>(bad_frame_level_ - 1, 0);
-  }
+  log_.forgive();
   if (is_fresh_) missed_in_row_ = 0;
-  if (!is_fresh_ && phase_ != starting) {
-    if (is_supervised()) ++counters_.missed;
+  if (!is_fresh_ && phase() != starting) {
+    if (clock_.is_supervised()) ++counters_.missed;
     missed_in_row_ = std::min(missed_in_row_ + 1, settings_.missing_limit);
   }
   // An answer still awaited after a tick with feedback was lost; after one without, it may come late.
@@ -219,16 +178,16 @@ void Cia402Drive::count_ticks() {
 }
 
 void Cia402Drive::watch_connection(std::int64_t now_ns) {
-  if (missed_in_row_ >= settings_.missing_limit) find_lasting(DriveFinding::feedback_missing);
-  if (heartbeat_.poll(now_ns) == HeartbeatState::lost) find_lasting(DriveFinding::heartbeat_lost);
+  if (missed_in_row_ >= settings_.missing_limit) log_.find_lasting(DriveFinding::feedback_missing);
+  if (heartbeat_.poll(now_ns) == HeartbeatState::lost) log_.find_lasting(DriveFinding::heartbeat_lost);
   if (heard_ != NmtState::operational) {
-    find(DriveFinding::left_operational);
+    log_.find(DriveFinding::left_operational);
     apply(DriveEvent::vanished, now_ns);
   }
 }
 
 void Cia402Drive::advance(std::int64_t now_ns) {
-  switch (phase_) {
+  switch (phase()) {
     case configuring:
       return advance_configuring(now_ns);
     case starting:
@@ -240,18 +199,14 @@ void Cia402Drive::advance(std::int64_t now_ns) {
     case following:
       return watch_following(now_ns);
     case stopping:
-      return watch_stopping();
+      if (is_faulty(state())) log_.find(DriveFinding::drive_fault);
+      if (state() != Cia402State::operation_enabled) clock_.clear_deadline();
+      return;
     case disabling:
       return advance_disabling(now_ns);
     case leaving:
       return advance_leaving(now_ns);
-    case off:
-    case booting:
-    case idle:
-    case disabled:
-    case abandoned:
-    case refused:
-    case gone:
+    default:
       return;
   }
 }
@@ -272,7 +227,7 @@ void Cia402Drive::advance_configuring(std::int64_t now_ns) {
     return;
   }
   if (tries_another_rpdo()) return;
-  find(runner_.refusal().finding);
+  log_.find(runner_.refusal().finding);
   apply(DriveEvent::refused, now_ns);
 }
 
@@ -304,8 +259,7 @@ void Cia402Drive::advance_starting(std::int64_t now_ns) {
 void Cia402Drive::advance_clearing(std::int64_t now_ns) {
   // It is the rise of the bit that resets a fault. Some drives need a second one.
   constexpr std::int64_t half_edge_ns = 100'000'000;
-  const std::int64_t begun_ns = phase_deadline_ns_ - settings_.stop_timeout_ns;
-  resets_now_ = (now_ns - begun_ns) / half_edge_ns % 2 == 0;
+  resets_now_ = (now_ns - clock_.since_ns()) / half_edge_ns % 2 == 0;
   const Cia402State at = state();
   const bool is_clear =
       !is_faulty(at) && at != Cia402State::not_ready && at != Cia402State::unknown && missed_in_row_ == 0;
@@ -317,7 +271,7 @@ bool Cia402Drive::holds_its_place() const {
 }
 
 Status Cia402Drive::set_position_limits(const CountRange& limits) {
-  if (phase_ != off) {
+  if (phase() != off) {
     return Error{
         .code = ErrorCode::wrong_state, .what = "the drive is in use", .remedy = "switch it off first"};
   }
@@ -354,115 +308,103 @@ bool Cia402Drive::may_be_enabled(std::int64_t now_ns) {
 
 void Cia402Drive::advance_enabling(std::int64_t now_ns) {
   const Cia402State at = state();
-  if (is_faulty(at)) return find(DriveFinding::drive_fault);
+  if (is_faulty(at)) return log_.find(DriveFinding::drive_fault);
   const bool is_enabled = at == Cia402State::operation_enabled;
   const bool is_powered = is_enabled || at == Cia402State::switched_on;
   if (is_enabled && !enabled_ns_) enabled_ns_ = now_ns;
   const bool has_time_left = is_enabled && now_ns - *enabled_ns_ <= settings_.ignore_grace_ns;
   if (is_enabled && is_seeded_ && !is_in_mode() && (feedback_.mode != 0 || !has_time_left)) {
-    find(DriveFinding::mode_not_shown);
+    log_.find(DriveFinding::mode_not_shown);
     apply(DriveEvent::quick_stop, now_ns);
     return;
   }
   const bool can_hold = is_powered && may_be_enabled(now_ns);
   if (can_hold && !is_seeded_) target_ = feedback_.actual;
-  if (can_hold && !is_within_limits()) return find(DriveFinding::moved_outside);
+  if (can_hold && !is_within_limits()) return log_.find(DriveFinding::moved_outside);
   is_seeded_ = can_hold;
   // In homing the bit says that the drive is home.
   const bool is_following =
       is_enabled && is_in_mode() && (homing_.has_value() || status_has(status_follows_target));
   if (!is_seeded_ || !is_following) return;
-  if (!holds_its_place()) return find(DriveFinding::moved_while_enabling);
-  if (findings_.empty()) apply(DriveEvent::enabled, now_ns);
+  if (!holds_its_place()) return log_.find(DriveFinding::moved_while_enabling);
+  if (log_.empty()) apply(DriveEvent::enabled, now_ns);
 }
 
 void Cia402Drive::watch_following(std::int64_t now_ns) {
   const Cia402State at = state();
   if (at != Cia402State::operation_enabled) {
-    find(is_faulty(at) ? DriveFinding::drive_fault : DriveFinding::left_operation);
+    log_.find(is_faulty(at) ? DriveFinding::drive_fault : DriveFinding::left_operation);
     const bool stops_itself = at == Cia402State::quick_stop_active;
     apply(stops_itself ? DriveEvent::stopped_itself : DriveEvent::dropped_out, now_ns);
     return;
   }
   if (!is_in_mode()) {
-    find_lasting(DriveFinding::wrong_mode);  // and the other bits mean something else
+    log_.find_lasting(DriveFinding::wrong_mode);  // and the other bits mean something else
     if (homing_) apply(DriveEvent::quick_stop, now_ns);
     return;
   }
-  if (!is_commanded_ && !holds_its_place()) find(DriveFinding::moved_while_enabling);
+  if (!is_commanded_ && !holds_its_place()) log_.find(DriveFinding::moved_while_enabling);
   if (homing_) return homing_->tick(feedback_, now_ns);  // whose bits 11 to 13 mean other things, too
   if (status_has(status_follows_target)) followed_ns_ = now_ns;
-  if (now_ns - followed_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::target_ignored);
+  if (now_ns - followed_ns_ > settings_.ignore_grace_ns) log_.find_lasting(DriveFinding::target_ignored);
   // In interpolated position the profile says nothing of this bit; and some drives say nothing at all.
   const bool tells_error = !interpolates() && status_has(status_following_error);
   const bool is_too_far =
       is_commanded_ && distance(feedback_.actual, target_) > settings_.max_following_error_counts;
-  if (tells_error || is_too_far) find_lasting(DriveFinding::following_error);
+  if (tells_error || is_too_far) log_.find_lasting(DriveFinding::following_error);
   if (!status_has(status_internal_limit)) unlimited_ns_ = now_ns;
-  if (now_ns - unlimited_ns_ > settings_.ignore_grace_ns) find_lasting(DriveFinding::internal_limit);
-}
-
-DriveFinding Cia402Drive::why_not_enabled() const {
-  const bool is_enabled = state() == Cia402State::operation_enabled;
-  const bool is_powered = is_enabled || state() == Cia402State::switched_on;
-  if (is_powered && !is_in_mode()) return DriveFinding::mode_not_shown;
-  return is_enabled ? DriveFinding::follow_bit_missing : DriveFinding::not_enabled;
-}
-
-void Cia402Drive::watch_stopping() {
-  if (is_faulty(state())) find(DriveFinding::drive_fault);
-  if (state() != Cia402State::operation_enabled) phase_deadline_ns_ = never;
+  if (now_ns - unlimited_ns_ > settings_.ignore_grace_ns) log_.find_lasting(DriveFinding::internal_limit);
 }
 
 void Cia402Drive::watch_deadline(std::int64_t now_ns) {
-  if (now_ns < phase_deadline_ns_) return;
-  switch (phase_) {
-    case booting:
-      find(DriveFinding::never_booted);
-      break;
-    case starting: {
-      const bool is_silent = heartbeat_.poll(now_ns) == HeartbeatState::never_came;
-      find(is_silent ? DriveFinding::first_heartbeat_missing : DriveFinding::not_operational);
-      break;
-    }
-    case clearing:
-      find(DriveFinding::fault_stays);
-      break;
-    case enabling:
-      find(why_not_enabled());
-      break;
-    case stopping:
-      find_lasting(DriveFinding::quick_stop_ignored);
-      break;
-    case disabling:
-      give_up_disabling(now_ns);
-      break;
-    case leaving:
-      find(DriveFinding::watchdog_stays);
-      break;
-    default:
-      break;
+  if (!clock_.is_late(now_ns)) return;
+  if (phase() == disabling) {
+    give_up_disabling(now_ns);
+  } else if (phase() == stopping) {
+    log_.find_lasting(DriveFinding::quick_stop_ignored);
+  } else {
+    log_.find(why_late());
   }
   apply(DriveEvent::timed_out, now_ns);
+}
+
+DriveFinding Cia402Drive::why_late() const {
+  const bool is_enabled = state() == Cia402State::operation_enabled;
+  const bool is_powered = is_enabled || state() == Cia402State::switched_on;
+  switch (phase()) {
+    case booting:
+      return DriveFinding::never_booted;
+    case starting:
+      return heartbeat_.state() == HeartbeatState::never_came ? DriveFinding::first_heartbeat_missing
+                                                              : DriveFinding::not_operational;
+    case clearing:
+      return DriveFinding::fault_stays;
+    case enabling:
+      if (is_powered && !is_in_mode()) return DriveFinding::mode_not_shown;
+      return is_enabled ? DriveFinding::follow_bit_missing : DriveFinding::not_enabled;
+    default:  // leaving
+      return DriveFinding::watchdog_stays;
+  }
 }
 
 std::uint16_t Cia402Drive::controlword() const {
   if (goes_off()) return disabling_controlword();
   // Not enabled, or not any more, before it is in the right mode and its target is held.
-  const bool waits_for_mode = phase_ == enabling && !is_seeded_;
-  const bool waits_for_edge = phase_ == clearing && !resets_now_;
-  const std::uint16_t word = controlword_for(waits_for_edge ? Cia402Goal::off : goal_of(phase_), state());
+  const bool waits_for_mode = phase() == enabling && !is_seeded_;
+  const bool waits_for_edge = phase() == clearing && !resets_now_;
+  const std::uint16_t word = controlword_for(waits_for_edge ? Cia402Goal::off : goal_of(phase()), state());
   if (waits_for_mode && word == control_enable_operation) return control_switch_on;
   // From where it is held, once it is in operation: the drive begins to interpolate by the rise of this bit.
-  const bool is_on = (phase_ == enabling || phase_ == following) && state() == Cia402State::operation_enabled;
+  const bool is_on =
+      (phase() == enabling || phase() == following) && state() == Cia402State::operation_enabled;
   if (!is_on || !is_in_mode()) return word;
   if (homing_) return word | homing_->control_bits();
   return interpolates() ? word | control_interpolate : word;
 }
 
 void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
-  if (phase_ == enabling && is_seeded_) return;
-  if (phase_ != following) {
+  if (phase() == enabling && is_seeded_) return;
+  if (phase() != following) {
     target_ = feedback_.actual;
     return;
   }
@@ -473,21 +415,22 @@ void Cia402Drive::choose_target(std::optional<std::int32_t> target) {
     return;
   }
   const std::int64_t step = distance(*target, target_);
-  if (!is_commanded_ && step > settings_.first_step_counts) return find(DriveFinding::moved_while_enabling);
+  if (!is_commanded_ && step > settings_.first_step_counts)
+    return log_.find(DriveFinding::moved_while_enabling);
   is_commanded_ = true;
-  if (step > settings_.max_step_counts) return find(DriveFinding::setpoint_jump);
+  if (step > settings_.max_step_counts) return log_.find(DriveFinding::setpoint_jump);
   target_ = *target;
 }
 
 std::optional<Frame> Cia402Drive::command(std::optional<std::int32_t> target) {
-  if (!is_supervised() && !(goes_off() && hears_commands())) return {};
-  if (phase_ == following && is_commanded_ && !target) return {};
+  if (!clock_.is_supervised() && !(goes_off() && hears_commands())) return {};
+  if (phase() == following && is_commanded_ && !target) return {};
   choose_target(target);
   return command_frame(node(), {.controlword = controlword(), .target = target_}, rpdo());
 }
 
 bool Cia402Drive::wants_service() const {
-  return order_.has_value() || phase_ == configuring || phase_ == disabling || phase_ == leaving;
+  return order_.has_value() || phase() == configuring || phase() == disabling || phase() == leaving;
 }
 
 std::optional<Frame> Cia402Drive::service(std::int64_t now_ns) {
@@ -496,16 +439,16 @@ std::optional<Frame> Cia402Drive::service(std::int64_t now_ns) {
     order_.reset();
     return nmt_frame(order);
   }
-  if (phase_ == configuring) {
+  if (phase() == configuring) {
     const std::optional<Frame> frame = runner_.poll(script_, now_ns);
     has_written_ = has_written_ || runner_.state() == SetupState::writing;
     return frame;
   }
-  if (phase_ == disabling) {
+  if (phase() == disabling) {
     const auto word = hears_commands() ? std::optional<std::uint16_t>{} : disabling_controlword();
     return exit_.poll(word, now_ns);
   }
-  if (phase_ == leaving) return exit_.poll({}, now_ns);
+  if (phase() == leaving) return exit_.poll({}, now_ns);
   return {};
 }
 

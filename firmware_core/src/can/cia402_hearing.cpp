@@ -10,7 +10,7 @@ constexpr std::uint8_t max_strays = 3;
 }  // namespace
 
 void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
-  if (phase_ == off) return;
+  if (phase() == off) return;
   if (frame.id == heartbeat_id(node())) return take_heartbeat(frame, now_ns);
   if (frame.id == emergency_id(node())) return take_emergency(frame, now_ns);
   if (frame.id == tpdo1_id(node())) return take_feedback(frame, now_ns);
@@ -19,14 +19,10 @@ void Cia402Drive::receive(const Frame& frame, std::int64_t now_ns) {
   if (is_awaited) return;
   ++counters_.stray_answers;
   // A late answer comes once or twice. Of two devices with one number the second answers every question.
-  if (phase_ == configuring && ++strays_ > max_strays) {
-    find(DriveFinding::two_devices);
+  if (phase() == configuring && ++strays_ > max_strays) {
+    log_.find(DriveFinding::two_devices);
     apply(DriveEvent::refused, now_ns);
   }
-}
-
-void Cia402Drive::take_bad_frame() {
-  if (++bad_frame_level_ > settings_.bad_frame_limit) find(DriveFinding::bad_frames);
 }
 
 /// The answer of a guarded drive counts if its toggle bit is another one than before: the standard takes it
@@ -39,7 +35,7 @@ std::optional<NmtState> Cia402Drive::heard_in(const Frame& frame) {
   const bool is_boot_up = answer->state == NmtState::boot_up;
   if (!is_boot_up && !needs_sync()) return answer->state;  // a heartbeat: nobody has asked yet
   if (answer->toggle != (guard_toggle_ && !is_boot_up)) {
-    if (guard_questions_ == 1) find(DriveFinding::guard_answer_repeated);
+    if (guard_questions_ == 1) log_.find(DriveFinding::guard_answer_repeated);
     return {};
   }
   guard_toggle_ = !is_boot_up && !guard_toggle_;
@@ -49,73 +45,60 @@ std::optional<NmtState> Cia402Drive::heard_in(const Frame& frame) {
 
 void Cia402Drive::take_heartbeat(const Frame& frame, std::int64_t now_ns) {
   const std::optional<NmtState> heard = heard_in(frame);
-  if (!heard) {
-    ++counters_.bad_frames;
-    return take_bad_frame();
-  }
+  if (!heard) return log_.take_bad_frame(counters_.bad_frames);
   heard_ = *heard;
   heartbeat_.receive(*heard, now_ns);
   if (*heard == NmtState::boot_up) take_boot_up(now_ns);
 }
 
 void Cia402Drive::take_boot_up(std::int64_t now_ns) {
-  const bool was_told_to_leave = phase_ == leaving && has_lost_touch_;
-  if (phase_ == booting || was_told_to_leave) {
+  const bool was_told_to_leave = phase() == leaving && has_lost_touch_;
+  if (phase() == booting || was_told_to_leave) {
     // One that was on its way before the reset was sent is not the answer to it.
     if (!order_) apply(was_told_to_leave ? DriveEvent::left : DriveEvent::booted, now_ns);
-  } else if (phase_ == configuring && !has_booted_again_) {
+  } else if (phase() == configuring && !has_booted_again_) {
     // Then that one was the answer, as where rig and drive are switched on together. Its set-up begins anew.
     has_booted_again_ = true;
     was_sent_back_ = false;
     runner_.begin(script_);
-  } else if (phase_ != refused && phase_ != gone) {
-    find(DriveFinding::unexpected_boot);
-    apply(phase_ == leaving ? DriveEvent::left : DriveEvent::vanished, now_ns);
+  } else if (phase() != refused && phase() != gone) {
+    log_.find(DriveFinding::unexpected_boot);
+    apply(phase() == leaving ? DriveEvent::left : DriveEvent::vanished, now_ns);
   }
 }
 
 void Cia402Drive::take_emergency(const Frame& frame, std::int64_t now_ns) {
   const std::optional<Emergency> emergency = read_emergency(frame, node());
-  if (!emergency) {
-    ++counters_.bad_frames;
-    return take_bad_frame();
-  }
+  if (!emergency) return log_.take_bad_frame(counters_.bad_frames);
   if (emergency->code == 0) return;
   last_emergency_ = *emergency;
   ++counters_.emergencies;
   // A drive without power may tell of an error that is over: many repeat the last one when they are started.
   // If it is not over, the fault stays when it is to be cleared.
-  const bool may_have_power = phase_ == enabling || phase_ == following || phase_ == stopping;
-  if (may_have_power && !emergency_ns_) emergency_ns_ = now_ns;
+  if (clock_.is_to_have_power() && !emergency_ns_) emergency_ns_ = now_ns;
   if (has_lost_touch_ || !is_of_communication(emergency->code)) return;
   has_lost_touch_ = true;
-  if (phase_ == leaving) enter_leaving(now_ns);
+  if (phase() == leaving) enter_leaving(now_ns);
 }
 
 /// An emergency may be a warning: then bit 7 of the statusword is set soon, and the drive stays in operation.
 /// Anything else is a finding: a fault at once, and an emergency that nothing explains after the grace.
 void Cia402Drive::judge_emergency(std::int64_t now_ns) {
   if (!emergency_ns_) return;
-  const bool is_well = phase_ == following ? state() == Cia402State::operation_enabled
-                                           : phase_ == enabling && !is_faulty(state());
+  const bool is_well = phase() == following ? state() == Cia402State::operation_enabled
+                                            : phase() == enabling && !is_faulty(state());
   if (is_well && is_fresh_ && status_has(status_warning)) return emergency_ns_.reset();
   if (is_well && now_ns - *emergency_ns_ <= settings_.ignore_grace_ns) return;
   emergency_ns_.reset();
-  find(DriveFinding::emergency);
+  log_.find(DriveFinding::emergency);
 }
 
 void Cia402Drive::take_feedback(const Frame& frame, std::int64_t now_ns) {
   if (!has_process_data()) return;
   const std::optional<DriveFeedback> feedback = read_feedback(frame, node());
-  if (!feedback) {
-    ++counters_.bad_frames;
-    return take_bad_frame();
-  }
+  if (!feedback) return log_.take_bad_frame(counters_.bad_frames);
   // A drive that has just been started may answer a SYNC that was sent before.
-  if (awaited_ == 0 && phase_ != starting) {
-    ++counters_.duplicates;
-    return take_bad_frame();
-  }
+  if (awaited_ == 0 && phase() != starting) return log_.take_bad_frame(counters_.duplicates);
   if (awaited_ > 0) --awaited_;
   ++counters_.feedback;
   feedback_ = *feedback;

@@ -14,7 +14,7 @@ bool Cia402Drive::hears_commands() const {
 /// On a bus of many drives the order to leave waits for its turn. Until it is sent the drive misses its
 /// setpoints, and would take silence for a fault.
 bool Cia402Drive::goes_off() const {
-  return phase_ == disabling || phase_ == disabled || (phase_ == leaving && order_.has_value());
+  return phase() == disabling || phase() == disabled || (phase() == leaving && order_.has_value());
 }
 
 /// A fault that only says that this program was silent for a while. It is reset while the drive switches off,
@@ -38,54 +38,44 @@ bool Cia402Drive::has_no_power() const {
 /// A quick stop is not cut short: without voltage the axis would coast.
 std::uint16_t Cia402Drive::disabling_controlword() const {
   if (is_cut_ && !is_faulty(state())) return control_disable_voltage;
-  if (state() == Cia402State::quick_stop_active && !is_resting_) return control_quick_stop;
+  if (state() == Cia402State::quick_stop_active && !rest_.rests()) return control_quick_stop;
   return controlword_for(has_lost_touch_by_fault() ? Cia402Goal::reset_fault : Cia402Goal::off, state());
-}
-
-void Cia402Drive::watch_rest(std::int32_t actual, std::int64_t now_ns) {
-  const std::int64_t off = std::int64_t{actual} - rest_counts_at_;
-  const bool moves = off > settings_.rest_counts || off < -settings_.rest_counts;
-  if (!rest_since_ns_ || moves) {
-    rest_counts_at_ = actual;
-    rest_since_ns_ = now_ns;
-  }
-  is_resting_ = now_ns - *rest_since_ns_ >= settings_.rest_ns;
 }
 
 void Cia402Drive::advance_disabling(std::int64_t now_ns) {
   const bool has_missed = missed_in_row_ > 0;
   if (hears_commands() && missed_in_row_ < settings_.missing_limit) {
     exit_.hush();
-    if (!has_missed) watch_rest(feedback_.actual, now_ns);
+    if (!has_missed) rest_.look(feedback_.actual, now_ns);
   } else {
     exit_.ask();
   }
   if (const std::optional<DriveFeedback> told = exit_.take_feedback()) {
     feedback_.statusword = told->statusword;
     // A drive that has started anew counts from another place.
-    if (!findings_.has(DriveFinding::unexpected_boot)) feedback_.actual = told->actual;
-    watch_rest(told->actual, now_ns);
+    if (!log_.all().has(DriveFinding::unexpected_boot)) feedback_.actual = told->actual;
+    rest_.look(told->actual, now_ns);
   }
   if (exit_.state() == ExitState::failed) {
-    phase_deadline_ns_ = now_ns;
-  } else if (is_resting_ && has_no_power()) {
+    clock_.set_deadline(now_ns);
+  } else if (rest_.rests() && has_no_power()) {
     apply(DriveEvent::disabled, now_ns);
   }
 }
 
 void Cia402Drive::give_up_disabling(std::int64_t now_ns) {
-  const bool tells = exit_.state() != ExitState::failed && rest_since_ns_.has_value();
-  if (tells && is_resting_ && state() == Cia402State::fault) {
-    find(DriveFinding::fault_stays);
+  const bool tells = exit_.state() != ExitState::failed && rest_.since_ns().has_value();
+  if (tells && rest_.rests() && state() == Cia402State::fault) {
+    log_.find(DriveFinding::fault_stays);
     apply(DriveEvent::disabled, now_ns);
     return;
   }
-  find(tells && has_no_power() ? DriveFinding::moves_while_off : DriveFinding::not_switched_off);
+  log_.find(tells && has_no_power() ? DriveFinding::moves_while_off : DriveFinding::not_switched_off);
 }
 
 void Cia402Drive::enter_leaving(std::int64_t now_ns) {
   order_ = has_lost_touch_ ? settings_.reset : NmtCommand::enter_pre_operational;
-  phase_deadline_ns_ = now_ns + settings_.boot_timeout_ns;
+  clock_.set_deadline(now_ns + settings_.boot_timeout_ns);
   has_lost_touch_ ? exit_.hush() : exit_.release(runner_.absent().span(), rpdo());
 }
 

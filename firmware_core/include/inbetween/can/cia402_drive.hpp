@@ -18,6 +18,7 @@
 #include "inbetween/can/emergency.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/heartbeat.hpp"
+#include "inbetween/can/rest_watch.hpp"
 
 /// One CiA 402 drive as the host sees it: set up, switched on, given a target every tick, watched.
 
@@ -103,7 +104,7 @@ class Cia402Drive {
   // The caller requests these. They return false where the phase does not allow it.
   bool connect(std::int64_t now_ns) { return apply(DriveEvent::connect, now_ns); }
   /// Also refused while there are findings: acknowledge them first.
-  bool enable(std::int64_t now_ns);
+  bool enable(std::int64_t now_ns) { return log_.empty() && apply(DriveEvent::enable, now_ns); }
   /// Leads to DrivePhase::disabled, or to abandoned within disable_timeout_ns and a transfer of SDO. A drive
   /// to which nothing has been written is left as it is.
   bool disable(std::int64_t now_ns) {
@@ -134,21 +135,19 @@ class Cia402Drive {
   /// Whether the drive sends process data when it hears SYNC.
   [[nodiscard]] bool has_process_data() const;
   /// Whether SYNC must go on for it: a drive that is about to leave may still watch it.
-  [[nodiscard]] bool needs_sync() const { return has_process_data() || phase_ == DrivePhase::leaving; }
+  [[nodiscard]] bool needs_sync() const { return has_process_data() || phase() == DrivePhase::leaving; }
   /// Whether it needs the host's heartbeat. A drive that was abandoned shall miss it.
   [[nodiscard]] bool is_in_use() const {
-    return phase_ != DrivePhase::off && phase_ != DrivePhase::abandoned;
+    return phase() != DrivePhase::off && phase() != DrivePhase::abandoned;
   }
   /// Whether it is being switched off, and has to be ticked on.
-  [[nodiscard]] bool is_leaving() const {
-    return phase_ == DrivePhase::disabling || phase_ == DrivePhase::disabled || phase_ == DrivePhase::leaving;
-  }
+  [[nodiscard]] bool is_leaving() const { return clock_.is_leaving(); }
   /// The frame of this tick, if there is one. `target`, in counts, is used while following. Once a target
   /// has been given, none is sent without: setpoints have ceased, and the drive's own watchdog stops the
   /// motor.
   std::optional<Frame> command(std::optional<std::int32_t> target);
   /// Whether it follows targets that have been given.
-  [[nodiscard]] bool is_commanded() const { return phase_ == DrivePhase::following && is_commanded_; }
+  [[nodiscard]] bool is_commanded() const { return phase() == DrivePhase::following && is_commanded_; }
   /// Whether service() has something to send.
   [[nodiscard]] bool wants_service() const;
   /// At most one frame of NMT or SDO.
@@ -157,14 +156,14 @@ class Cia402Drive {
   /// Its homing by itself, to be started while it is following; null for a drive that takes targets.
   [[nodiscard]] Cia402Homing* homing() { return homing_ ? &*homing_ : nullptr; }
 
-  [[nodiscard]] DrivePhase phase() const { return phase_; }
+  [[nodiscard]] DrivePhase phase() const { return clock_.phase(); }
   /// Whether it has told something of itself, and not that it has no power.
   [[nodiscard]] bool may_have_power() const { return has_feedback_ && !has_no_power(); }
-  [[nodiscard]] const DriveFindings& findings() const { return findings_; }
+  [[nodiscard]] const DriveFindings& findings() const { return log_.all(); }
   /// Those of the last tick whose cause is still there.
-  [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }
+  [[nodiscard]] const DriveFindings& lasting() const { return log_.lasting(); }
   /// Tells which came first of those that nobody has acknowledged.
-  [[nodiscard]] std::optional<DriveFinding> first_finding() const { return first_finding_; }
+  [[nodiscard]] std::optional<DriveFinding> first_finding() const { return log_.first(); }
   [[nodiscard]] const SetupRefusal& refusal() const { return runner_.refusal(); }
   /// The last that had a code: that an error is gone does not say which it was.
   [[nodiscard]] const Emergency& last_emergency() const { return last_emergency_; }
@@ -177,24 +176,22 @@ class Cia402Drive {
   [[nodiscard]] Cia402State state() const { return state_of(feedback_.statusword); }
   /// BusDrive.
   [[nodiscard]] Place held_place() const {
-    return phase_ == DrivePhase::following && !is_commanded_ ? target_ : feedback_.actual;
+    return phase() == DrivePhase::following && !is_commanded_ ? target_ : feedback_.actual;
   }
   /// The target that was sent last, in counts.
   [[nodiscard]] std::int32_t target() const { return target_; }
 
  private:
   explicit Cia402Drive(const Cia402Settings& settings);
-  bool apply(DriveEvent event, std::int64_t now_ns);
-  void enter(DrivePhase phase, std::int64_t now_ns);
-  void find(DriveFinding finding);
-  void find_lasting(DriveFinding finding);
-  void take_bad_frame();
+  bool apply(DriveEvent event, std::int64_t now_ns) {
+    return clock_.apply(event, now_ns, [&] { enter(now_ns); });
+  }
+  void enter(std::int64_t now_ns);
   void take_heartbeat(const Frame& frame, std::int64_t now_ns);
   [[nodiscard]] std::optional<NmtState> heard_in(const Frame& frame);
   void take_emergency(const Frame& frame, std::int64_t now_ns);
   void take_feedback(const Frame& frame, std::int64_t now_ns);
   void judge_emergency(std::int64_t now_ns);
-  [[nodiscard]] DriveFinding why_not_enabled() const;
   bool may_be_enabled(std::int64_t now_ns);
   void take_boot_up(std::int64_t now_ns);
   void watch_heartbeat(std::int64_t now_ns);
@@ -209,13 +206,12 @@ class Cia402Drive {
   void advance_clearing(std::int64_t now_ns);
   void advance_enabling(std::int64_t now_ns);
   void watch_following(std::int64_t now_ns);
-  void watch_stopping();
   void watch_deadline(std::int64_t now_ns);
+  [[nodiscard]] DriveFinding why_late() const;
   // switching off
   void enter_leaving(std::int64_t now_ns);
   void advance_disabling(std::int64_t now_ns);
   void advance_leaving(std::int64_t now_ns);
-  void watch_rest(std::int32_t actual, std::int64_t now_ns);
   void give_up_disabling(std::int64_t now_ns);
   [[nodiscard]] bool hears_commands() const;
   [[nodiscard]] bool has_no_power() const;
@@ -227,7 +223,6 @@ class Cia402Drive {
     return !homing_ && settings_.setup.mode == Cia402Mode::interpolated_position;
   }
   [[nodiscard]] bool status_has(std::uint16_t bit) const { return (feedback_.statusword & bit) != 0; }
-  [[nodiscard]] bool is_supervised() const;
   [[nodiscard]] bool holds_its_place() const;
   [[nodiscard]] bool is_within_limits() const;
   [[nodiscard]] std::uint16_t controlword() const;
@@ -239,10 +234,9 @@ class Cia402Drive {
   DriveExit exit_;
   HeartbeatConsumer heartbeat_;
   std::optional<Cia402Homing> homing_;
-  DrivePhase phase_ = DrivePhase::off;
-  DriveFindings findings_;
-  DriveFindings lasting_;
-  std::optional<DriveFinding> first_finding_;
+  PhaseClock clock_;
+  FindingLog log_;
+  RestWatch rest_;  ///< disabling
   DriveCounters counters_;
   Emergency last_emergency_;
   DriveFeedback feedback_;
@@ -250,16 +244,13 @@ class Cia402Drive {
   NmtState heard_ = NmtState::boot_up;
   bool guard_toggle_ = false;         ///< of the next answer of a guarded drive
   std::int32_t guard_questions_ = 0;  ///< since the last answer that counted; two or more say the same
-  std::int64_t phase_deadline_ns_ = 0;
-  std::int64_t followed_ns_ = 0;   ///< when bit 12 was seen last
-  std::int64_t unlimited_ns_ = 0;  ///< and when bit 11 was clear
+  std::int64_t followed_ns_ = 0;      ///< when bit 12 was seen last
+  std::int64_t unlimited_ns_ = 0;     ///< and when bit 11 was clear
   std::optional<std::int64_t>
       emergency_ns_;  ///< when one came of which it is not known whether it only warns
   std::int32_t target_ = 0;
   std::int32_t awaited_ = 0;  ///< feedback that SYNC has asked for, at most the present and one late
   std::int32_t missed_in_row_ = 0;
-  std::int32_t bad_frame_level_ = 0;
-  std::int32_t ticks_to_forgive_ = 0;
   std::optional<std::int64_t> modeless_ns_;  ///< enabling: since when it has power and shows mode 0
   std::optional<std::int64_t> enabled_ns_;   ///< enabling: since when it is in operation
   bool has_feedback_ = false;                ///< in this phase or one before, since it was started
@@ -276,10 +267,6 @@ class Cia402Drive {
   /// It has left Operational by itself, or reported a fault of communication, since it was connected. When it
   /// leaves, its communication starts anew, which forgets such a fault.
   bool has_lost_touch_ = false;
-  // disabling: where the axis was when it moved last, and since when it has been there
-  std::int32_t rest_counts_at_ = 0;
-  std::optional<std::int64_t> rest_since_ns_;
-  bool is_resting_ = false;
   bool is_cut_ = false;  ///< its power goes at once
 };
 

@@ -111,8 +111,10 @@ struct CubemarsSettings {
 class Cubemars {
  public:
   using Frame = can::Frame;
-  static constexpr ServoHabits habits{
-      .starts_by_target = true, .tells_restart = false, .has_two_scales = true};
+  static constexpr ServoHabits habits{.starts_by_target = true,
+                                      .restarts_unsaid = true,
+                                      .needs_place_to_start = true,
+                                      .has_two_scales = true};
   /// Feedback comes in tenths of a degree, cut off: so that two places are told up to a step wrong.
   [[nodiscard]] ScaleWatch::Settings scale_watch() const {
     return {.noise_turns = 1.2 / 3'600,

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 /// The faults of a drive on a bus, in words, and what has to follow.
 
@@ -121,6 +123,58 @@ class DriveFindings {
   }
   static_assert(drive_findings <= 64);
   std::uint64_t bits_ = 0;
+};
+
+/// What was found at a drive since somebody has seen it. A finding stays until it is acknowledged; it lasts
+/// where it was found again in the present tick. A bad frame is no finding before there are too many of them,
+/// and is forgiven in time. O(1).
+class FindingLog {
+ public:
+  /// Bad frames that are still no finding; one is forgiven in every `ticks`.
+  struct BadFrames {
+    std::int32_t limit = 8;
+    std::int32_t ticks = 250;
+  };
+  explicit FindingLog(const BadFrames& allowed) : allowed_(allowed), ticks_to_forgive_(allowed.ticks) {}
+
+  void begin_tick() { lasting_.clear(); }
+  /// Called once in every tick in which bad frames can come.
+  void forgive() {
+    if (--ticks_to_forgive_ > 0) return;
+    ticks_to_forgive_ = allowed_.ticks;
+    bad_frames_ = std::max<std::int32_t>(bad_frames_ - 1, 0);
+  }
+  void find(DriveFinding finding) {
+    all_.add(finding);
+    if (!first_) first_ = finding;
+  }
+  void find_lasting(DriveFinding finding) {
+    lasting_.add(finding);
+    find(finding);
+  }
+  /// `counter` counts such frames.
+  void take_bad_frame(std::uint32_t& counter) {
+    ++counter;
+    if (++bad_frames_ > allowed_.limit) find(DriveFinding::bad_frames);
+  }
+  void acknowledge() {
+    all_.clear();
+    first_.reset();
+    bad_frames_ = 0;
+  }
+
+  [[nodiscard]] const DriveFindings& all() const { return all_; }
+  [[nodiscard]] const DriveFindings& lasting() const { return lasting_; }
+  [[nodiscard]] std::optional<DriveFinding> first() const { return first_; }
+  [[nodiscard]] bool empty() const { return all_.empty(); }
+
+ private:
+  BadFrames allowed_;
+  DriveFindings all_;
+  DriveFindings lasting_;
+  std::optional<DriveFinding> first_;
+  std::int32_t bad_frames_ = 0;  ///< not forgiven
+  std::int32_t ticks_to_forgive_;
 };
 
 }  // namespace inbetween::can

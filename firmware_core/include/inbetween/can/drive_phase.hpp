@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 /// The phases of a drive as its host sees them; one table says what leads from one to the next.
 
@@ -56,5 +57,54 @@ struct DriveStep {
 };
 /// The whole table. Nothing leads to following but enable, cleared and enabled, in this order.
 DriveStep next_phase(DrivePhase phase, DriveEvent event);
+
+/// The phase of a drive, since when it is in it, and when it must have left it. Every phase begins without a
+/// deadline, so that none has that of another. O(1).
+class PhaseClock {
+ public:
+  /// False: the phase does not allow the request. `enter` is called where a new phase has begun, and may set
+  /// its deadline.
+  template <class Enter>
+  bool apply(DriveEvent event, std::int64_t now_ns, const Enter& enter) {
+    const DriveStep step = next_phase(phase_, event);
+    if (step.is_refused) return false;
+    if (step.phase == phase_) return true;
+    before_ = phase_;
+    phase_ = step.phase;
+    since_ns_ = now_ns;
+    deadline_ns_ = never;
+    enter();
+    return true;
+  }
+  void set_deadline(std::int64_t deadline_ns) { deadline_ns_ = deadline_ns; }
+  void clear_deadline() { deadline_ns_ = never; }
+
+  [[nodiscard]] DrivePhase phase() const { return phase_; }
+  [[nodiscard]] DrivePhase before() const { return before_; }
+  [[nodiscard]] std::int64_t since_ns() const { return since_ns_; }
+  [[nodiscard]] bool is_late(std::int64_t now_ns) const { return now_ns >= deadline_ns_; }
+
+  /// It is being switched on: a finding ends that.
+  [[nodiscard]] bool is_switching_on() const { return phase_ == clearing || phase_ == enabling; }
+  /// It has been told to have power.
+  [[nodiscard]] bool is_to_have_power() const {
+    return phase_ == enabling || phase_ == following || phase_ == stopping;
+  }
+  /// It has to tell how and where it is.
+  [[nodiscard]] bool is_supervised() const {
+    return phase_ == idle || phase_ == clearing || is_to_have_power();
+  }
+  [[nodiscard]] bool is_leaving() const {
+    return phase_ == disabling || phase_ == disabled || phase_ == leaving;
+  }
+
+ private:
+  using enum DrivePhase;
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+  DrivePhase phase_ = off;
+  DrivePhase before_ = off;
+  std::int64_t since_ns_ = 0;
+  std::int64_t deadline_ns_ = never;
+};
 
 }  // namespace inbetween::can

@@ -125,8 +125,10 @@ struct RmdSettings {
 class Rmd {
  public:
   using Frame = can::Frame;
-  static constexpr ServoHabits habits{
-      .starts_by_target = true, .tells_restart = false, .is_asked_apart = true};
+  static constexpr ServoHabits habits{.starts_by_target = true,
+                                      .restarts_unsaid = true,
+                                      .needs_place_to_start = true,
+                                      .is_asked_apart = true};
   static constexpr DriveFinding misfit = DriveFinding::plans_by_itself;
 
   /// Errors: out_of_range (a velocity limit of 0, which is none, a limit of hold above the other, a timeout

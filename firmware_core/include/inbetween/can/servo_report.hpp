@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <optional>
@@ -48,6 +49,45 @@ struct ServoReport {
   bool is_of_a_host = false;       ///< only a host sends such a frame
 };
 
+/// All that a drive has told since it was connected, and when. Of the time before that its last place, status
+/// and version stay.
+struct ServoTold {
+  ServoPlace place;
+  ServoStatus status;
+  std::uint32_t version = 0;
+  std::int64_t place_ns = 0;  ///< 0: not told
+  std::int64_t status_ns = 0;
+  std::optional<bool> is_expected_device{};
+  std::optional<bool> knows_place{};
+  std::optional<bool> has_watchdog{};
+  bool is_another_device = false;
+
+  void begin() { *this = {.place = place, .status = status, .version = version}; }
+  void take(const ServoReport& report, std::int64_t now_ns) {
+    if (report.place) {
+      place = *report.place;
+      place_ns = now_ns;
+    }
+    if (report.status) {
+      status = *report.status;
+      status_ns = now_ns;
+    }
+    if (report.is_expected_device) {
+      is_expected_device = report.is_expected_device;
+      version = report.version;
+    }
+    if (report.knows_place) knows_place = report.knows_place;
+    if (report.has_watchdog) has_watchdog = report.has_watchdog;
+    is_another_device = is_another_device || report.is_another_device;
+  }
+  [[nodiscard]] bool is_heard() const { return place_ns != 0 && status_ns != 0; }
+  [[nodiscard]] bool is_near(double turns, double tolerance) const {
+    return std::fabs(place.turns - turns) <= tolerance;
+  }
+  /// Its own watchdog stops it, and an order to switch off would end that.
+  [[nodiscard]] bool brakes_alone() const { return status.has_missed_host && !status.is_off; }
+};
+
 /// What a drive is told beside positions.
 enum class ServoOrder : std::uint8_t {
   say_what_you_are,
@@ -82,9 +122,12 @@ struct ServoHabits {
   /// A target switches on a drive that is off, wherever it then believes to be. Then none is sent to a drive
   /// that is not known to be on: it may have started anew.
   bool starts_by_target = false;
-  /// It tells when it has started anew. One that does not may have done so whenever it was silent: it gets no
-  /// target then, and is switched off when it is heard again.
-  bool tells_restart = true;
+  /// It does not tell when it has started anew, and may have done so whenever it was silent or targets have
+  /// ceased: it gets no target then, and is switched off when it is heard again.
+  bool restarts_unsaid = false;
+  /// It cannot be told to switch on where it is, only to go to a place. Then it is without power before, and
+  /// told the place where it was when it was to be switched on until its first target.
+  bool needs_place_to_start = false;
   /// Its answer to a target does not say where it is, and a question feeds its watchdog as a target does: it
   /// is asked beside its targets, and not at all once they have ceased.
   bool is_asked_apart = false;
