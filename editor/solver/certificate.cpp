@@ -104,7 +104,7 @@ void Certificate::find_ceiling(const MotionCells& motion) {
 void Certificate::lower(CellCeiling& ceiling, const MotionTriple& suprema, std::size_t axis) const {
   const AxisLimits& limits = limits_[axis];
   const double jerk = limits.max_jerk().value_or(std::numeric_limits<double>::infinity());
-  // A magnitude of 0 gives an infinite rate: nothing of this axis is in the way.
+  // A magnitude of 0 gives an infinite rate: this axis does not hold the ceiling down.
   const std::array rates{limits.max_velocity() / suprema[0],
                          std::sqrt(limits.max_acceleration() / suprema[1]), std::cbrt(jerk / suprema[2])};
   for (std::size_t i = 0; i < rates.size(); ++i) {

@@ -113,21 +113,21 @@ export class Hand {
     }
   }
 
-  /** The axes that are not shown go the way they went, at the same share of it. */
+  /** The axes that are not shown go along the path that they had, at the same share of its length. */
   private others(index: number, samples: readonly Sample[]): number[][] {
     const axes = this.store.move.tracks[index].axes.length;
     const { table, stride, length } = this.store.solution.tracks[index];
-    const ways = [0];
+    const distances = [0];
     for (let i = 1; i < samples.length; ++i) {
-      ways.push(ways[i - 1] + Math.hypot(samples[i].x - samples[i - 1].x, samples[i].y - samples[i - 1].y));
+      distances.push(distances[i - 1] + Math.hypot(samples[i].x - samples[i - 1].x, samples[i].y - samples[i - 1].y));
     }
-    const total = ways[ways.length - 1] || 1;
+    const total = distances[distances.length - 1] || 1;
     let row = 0;
-    return ways.map((way) => {
-      while (row + 1 < table.length / stride && table[(row + 1) * stride + 1] <= (way / total) * length) ++row;
+    return distances.map((distance) => {
+      while (row + 1 < table.length / stride && table[(row + 1) * stride + 1] <= (distance / total) * length) ++row;
       const next = Math.min(row + 1, table.length / stride - 1);
       const span = table[next * stride + 1] - table[row * stride + 1];
-      const share = span > 0 ? ((way / total) * length - table[row * stride + 1]) / span : 0;
+      const share = span > 0 ? ((distance / total) * length - table[row * stride + 1]) / span : 0;
       return Array.from({ length: axes }, (_, a) => {
         const here = table[row * stride + 4 + a];
         return here + share * (table[next * stride + 4 + a] - here);

@@ -49,7 +49,7 @@ export class KeyDetail {
     if (this.spline.value !== track.spline) this.spline.value = track.spline;
     this.closed.checked = track.closed;
     this.closed.disabled = track.periodic || track.path !== null;
-    // What the whole track says of its corners is for straight ways alone.
+    // What the whole track says of its corners is for straight paths alone.
     this.spline.disabled = track.overlap !== null || track.round !== null;
     this.spline.title = this.spline.disabled ? "The track rounds its corners; edit it as text" : "";
     for (const row of this.ofKey) row.hidden = key === null;
@@ -89,7 +89,7 @@ export class KeyDetail {
     changeKeys(store, store.selection.keys, (one) => ({ ...one, [field]: written }));
   }
 
-  /** The shape of keys is that of a tcb path, and only straight ways have corners to round. */
+  /** The shape of keys is that of a tcb path, and only straight paths have corners to round. */
   private changeSpline(spline: Spline): void {
     const { store } = this;
     const index = store.selection.track;

@@ -163,7 +163,7 @@ export const plainKey = (at: readonly number[]): Key => ({
   from: null, at, tension: 0, continuity: 0, bias: 0, frame: null, hold: null, break: false, ease: false, overlap: null, round: null,
 });
 
-/** Which of the two rounds the corners of a track: straight ways alone have corners. */
+/** Which of the two rounds the corners of a track: straight paths alone have corners. */
 export function cornerField(track: Track): "overlap" | "round" | null {
   if (track.spline !== "linear" || track.path) return null;
   if (track.timing === "frames" && track.kinetic === "linear") return "overlap";

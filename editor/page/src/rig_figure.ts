@@ -1,4 +1,4 @@
-// The rig in space: a rod from every joint to the next, as the core poses them, and the way of its tip.
+// The rig in space: a rod from every joint to the next, as the core poses them, and the path of its tip.
 import type * as Three from "three";
 import type { Store } from "./store";
 
@@ -22,7 +22,7 @@ export class RigFigure {
     return solver.places(move.rig!, move.axes.length, first, step, samples);
   }
 
-  /** Anew for another motion: the box in which the rig moves, the way of the tip with a dot for every frame, the rods. */
+  /** Anew for another motion: the box in which the rig moves, the path of the tip with a dot for every frame, the rods. */
   build(): boolean {
     const { three, store, content, links } = this;
     const { firstFrame, lastFrame } = store.solution;
@@ -41,8 +41,8 @@ export class RigFigure {
     this.scale = (places, link) => new three.Vector3(
       (places[3 * link] - (low[0] + high[0]) / 2) * (2 / size), (places[3 * link + 1] - (low[1] + high[1]) / 2) * (2 / size),
       (places[3 * link + 2] - (low[2] + high[2]) / 2) * (2 / size));
-    const way = Array.from({ length: samples }, (_, i) => this.scale(all, i * links + this.tip));
-    const line = new three.BufferGeometry().setFromPoints(way);
+    const path = Array.from({ length: samples }, (_, i) => this.scale(all, i * links + this.tip));
+    const line = new three.BufferGeometry().setFromPoints(path);
     content.add(new three.Line(line, new three.LineBasicMaterial({ color: 0x6ab0ff })),
       new three.Points(line, new three.PointsMaterial({ color: 0x9fb4d0, size: 2, sizeAttenuation: false })));
     const metal = new three.MeshBasicMaterial({ color: 0xc9d2df });

@@ -190,7 +190,7 @@ export class Solver {
     const weights = track.path ? track.path.weights : track.weights;
     const segments = track.path ? track.path.knots.length / 4 : 0;
     const corners = cornersOf(track, byFrames);
-    const overlaps = byFrames && corners.length > 0; // straight ways that are curves over time
+    const overlaps = byFrames && corners.length > 0; // straight paths that are curves over time
     if (byFrames && keys.some((key) => key.frame === null)) {
       throw new Failure({ what: "a key has no frame", remedy: "give it one: all keys of this track have frames",
         track: index, key: keys.findIndex((key) => key.frame === null), axis: -1 });

@@ -24,8 +24,8 @@ export function watchSize(place: Element, draw: () => void): Readonly<Size> {
 /** Counts the times that they have changed. */
 export let colorChanges = 0;
 const colors = new Map<string, string>();
-for (const wish of ["(prefers-contrast: more)", "(forced-colors: active)"]) {
-  matchMedia(wish).addEventListener("change", () => {
+for (const query of ["(prefers-contrast: more)", "(forced-colors: active)"]) {
+  matchMedia(query).addEventListener("change", () => {
     colors.clear();
     ++colorChanges;
     for (const draw of draws) draw();
