@@ -1,5 +1,6 @@
 // The functions that the page calls (editor/page/src/solver.ts is the other side). Arguments and answers are
-// in the two arrays of Exchange; a function answers 1, or 0 after an error, which ib_error then tells.
+// in the records and the two arrays of Exchange; a function answers 1, or 0 after an error, which ib_error
+// then tells.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -34,6 +35,34 @@ void write_peak(Writer& out, const Peak& peak) {
   out.number(peak.frame);
 }
 
+MoveReport report(const Certificate& found) {
+  MoveReport report{};
+  report.first_frame = found.move().first_frame();
+  report.last_frame = found.move().last_frame();
+  if (!found.has_limits()) return report;
+  const std::optional<Breach> first = found.first_breach();
+  const Breach breach = first.value_or(Breach{});
+  const LongestStop longest = found.stops() ? found.stops()->longest_in_time() : LongestStop{};
+  return {.first_frame = found.move().first_frame(),
+          .last_frame = found.move().last_frame(),
+          .axis_count = static_cast<std::int32_t>(found.peaks().size() - found.motor_count()),
+          .motor_count = static_cast<std::int32_t>(found.motor_count()),
+          .cell_count = static_cast<std::int32_t>(found.cell_count()),
+          .step_count = static_cast<std::int32_t>(found.steps().size()),
+          .steps_left_out = static_cast<std::int32_t>(found.steps_left_out()),
+          .stops_are_proven = found.stops() ? 1 : 0,
+          .breach_kind = first ? static_cast<std::int32_t>(breach.kind) + 1 : 0,
+          .breach_axis = breach.axis,
+          .breach_quantity = breach.quantity,
+          .highest_rate = found.highest_rate(),
+          .longest_stop_seconds = longest.length.seconds,
+          .longest_stop_frames = longest.length.frames,
+          .longest_stop_from_frame = longest.from_frame,
+          .breach_value = breach.value,
+          .breach_limit = breach.limit,
+          .breach_frame = breach.frame};
+}
+
 FrameTime time_at(double frame) {
   return moved_by({0, 0}, frame);
 }
@@ -56,8 +85,9 @@ PathPoint point_at(const Path& path, double s) {
 }  // namespace
 }  // namespace inbetween::editor
 
-using namespace inbetween;          // NOLINT(google-build-using-namespace): the functions below have C names
-using namespace inbetween::editor;  // NOLINT(google-build-using-namespace)
+// The functions below have C names, which no namespace holds.
+using namespace inbetween;
+using namespace inbetween::editor;
 
 extern "C" {
 
@@ -69,15 +99,34 @@ std::int32_t* ib_integers() {
   return exchange.integers.data();
 }
 
-/// Integers: code, key, axis, control value, frame, needed.
+Records* ib_records() {
+  return &exchange.records;
+}
+
+/// The fields of the records, from 0 on: the name, the distance from the beginning in bytes, and 1 for a
+/// double or 0 for an integer of 32 bits.
+std::int32_t ib_field_count() {
+  return static_cast<std::int32_t>(record_fields.size());
+}
+const char* ib_field_name(std::int32_t index) {
+  return record_fields[static_cast<std::size_t>(index)].name;
+}
+std::int32_t ib_field_offset(std::int32_t index) {
+  return static_cast<std::int32_t>(record_fields[static_cast<std::size_t>(index)].offset);
+}
+std::int32_t ib_field_is_number(std::int32_t index) {
+  return record_fields[static_cast<std::size_t>(index)].is_number ? 1 : 0;
+}
+
+/// Writes the error report.
 void ib_error() {
-  Writer out(exchange);
   const Error& error = exchange.error;
-  for (const std::int32_t part :
-       {static_cast<std::int32_t>(error.code), error.key, error.axis, error.control_value, error.frame,
-        static_cast<std::int32_t>(error.needed)}) {
-    out.integer(part);
-  }
+  exchange.records.error_report = {.code = static_cast<std::int32_t>(error.code),
+                                   .key = error.key,
+                                   .axis = error.axis,
+                                   .control_value = error.control_value,
+                                   .frame = error.frame,
+                                   .needed = static_cast<std::int32_t>(error.needed)};
 }
 const char* ib_error_what() {
   return exchange.error.what;
@@ -86,37 +135,31 @@ const char* ib_error_remedy() {
   return exchange.error.remedy;
 }
 
-/// Reads what Session::solve_track says, and solves that track.
 std::int32_t ib_solve(std::int32_t track) {
   return answer(session.solve_track(track, exchange));
 }
 
-/// Integers: tracks, axes with limits (0: no rig), motors behind a calibration, ticks a second; for each
-/// motor its axis and how many marks it has. Numbers: eight for each axis, and then for each motor (min, max,
-/// max_velocity, max_acceleration, max_jerk, max_acceleration_step, stop_acceleration, stop_jerk), not a
-/// number where the rig does not say; for each motor its marks, the place of the axis and that of the motor.
 std::int32_t ib_assemble() {
   return answer(session.assemble(exchange));
 }
 
-/// Integers: the two halves of the table's hash, low first; frames; segments; keys; pieces; played control
-/// values. Numbers: length, K, Phi(f). Returns 0 if the track is not solved, as the functions below do.
+/// Writes the track report. Returns 0 if the track is not solved, as the functions below do.
 std::int32_t ib_track(std::int32_t index) {
   const TrackSlot* const slot = session.solved(index);
   if (slot == nullptr) return 0;
   const Track& track = slot->track();
   const std::uint64_t hash = hash_of(slot->table().points());
-  Writer out(exchange);
-  out.integer(static_cast<std::int32_t>(static_cast<std::uint32_t>(hash)));
-  out.integer(static_cast<std::int32_t>(static_cast<std::uint32_t>(hash >> 32U)));
-  out.integer(track.frames());
-  out.integer(track.path().segment_count());
-  out.integer(track.path().key_count());
-  out.integer(track.arc_length().piece_count());
-  out.integer(static_cast<std::int32_t>(slot->played_values().size()));
-  out.number(track.arc_length().total());
-  out.number(track.constant());
-  out.number(track.has_profile() ? track.profile().total_integral() : 0);
+  exchange.records.track_report = {
+      .hash_low = static_cast<std::int32_t>(static_cast<std::uint32_t>(hash)),
+      .hash_high = static_cast<std::int32_t>(static_cast<std::uint32_t>(hash >> 32U)),
+      .frames = track.frames(),
+      .segment_count = track.path().segment_count(),
+      .key_count = track.path().key_count(),
+      .piece_count = track.arc_length().piece_count(),
+      .played_value_count = static_cast<std::int32_t>(slot->played_values().size()),
+      .length = track.arc_length().total(),
+      .constant = track.constant(),
+      .total_integral = track.has_profile() ? track.profile().total_integral() : 0};
   return 1;
 }
 
@@ -211,38 +254,16 @@ std::int32_t ib_at(std::int32_t index, double s) {
   return 1;
 }
 
-/// Integers: first frame, last frame (the rolls included), axes, motors (behind the axes wherever one is
-/// named), cells of the ceiling, steps, steps left out, whether stops are proven; of the first breach its
-/// kind (BreachKind counted from 1; 0: the move fits), its axis and its quantity; then for each cell the axis
-/// and the quantity of its ceiling, and for each step track, key, axis. Numbers: the highest rate; seconds
-/// and frames of the longest stop and from which frame; value, limit and frame of the breach; for each axis
-/// and motor lowest, highest, velocity, acceleration and jerk, each a value and its frame; for each track and
-/// cell the rate at which it keeps the limits; for each step frame, velocity and acceleration.
+/// Writes the move report. Motors stand behind the axes wherever one is named. Integers: for each cell the
+/// axis and the quantity of its ceiling; for each step track, key, axis. Numbers: for each axis and motor
+/// lowest, highest, velocity, acceleration and jerk, each a value and its frame; for each track and cell the
+/// rate at which it keeps the limits; for each step frame, velocity and acceleration.
 std::int32_t ib_certificate() {
   if (!session.is_assembled()) return 0;
   const Certificate& found = session.certificate();
-  Writer out(exchange);
-  out.integer(found.move().first_frame());
-  out.integer(found.move().last_frame());
-  const auto motors = static_cast<std::int32_t>(found.motor_count());
-  out.integer(found.has_limits() ? static_cast<std::int32_t>(found.peaks().size()) - motors : 0);
-  out.integer(motors);
+  exchange.records.move_report = report(found);
   if (!found.has_limits()) return 1;
-  out.integer(static_cast<std::int32_t>(found.cell_count()));
-  out.integer(static_cast<std::int32_t>(found.steps().size()));
-  out.integer(static_cast<std::int32_t>(found.steps_left_out()));
-  out.integer(found.stops() ? 1 : 0);
-  const std::optional<Breach> first = found.first_breach();
-  const Breach breach = first.value_or(Breach{});
-  out.integer(first ? static_cast<std::int32_t>(breach.kind) + 1 : 0);
-  out.integer(breach.axis);
-  out.integer(breach.quantity);
-  out.number(found.highest_rate());
-  const LongestStop longest = found.stops() ? found.stops()->longest_in_time() : LongestStop{};
-  for (const double number : {longest.length.seconds, longest.length.frames, longest.from_frame, breach.value,
-                              breach.limit, breach.frame}) {
-    out.number(number);
-  }
+  Writer out(exchange);
   for (const AxisPeaks& axis : found.peaks()) {
     for (const Peak& peak : {axis.lowest, axis.highest, axis.velocity, axis.acceleration, axis.jerk}) {
       write_peak(out, peak);

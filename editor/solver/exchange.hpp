@@ -1,4 +1,5 @@
-// What the page and the solver hand to each other: two arrays in the memory of the WebAssembly module.
+// What the page and the solver hand to each other: records with named fields, and two arrays for what there
+// is any number of, in the memory of the WebAssembly module.
 #pragma once
 
 #include <array>
@@ -6,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "editor/solver/records.hpp"
 #include "inbetween/base/result.hpp"
 
 namespace inbetween::editor {
@@ -13,8 +15,10 @@ namespace inbetween::editor {
 inline constexpr std::size_t max_numbers = 1U << 19U;
 inline constexpr std::size_t max_integers = 1U << 17U;
 
-/// A call reads its arguments from the beginning of both arrays and leaves its answer there.
+/// A call reads its arguments from its record and from the beginning of both arrays, and leaves its answer
+/// there.
 struct Exchange {
+  Records records;
   std::array<double, max_numbers> numbers;
   std::array<std::int32_t, max_integers> integers;
   Error error;

@@ -15,6 +15,19 @@ std::optional<double> given(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
 
+bool is_count(std::int32_t value, std::size_t most) {
+  return value >= 0 && static_cast<std::size_t>(value) <= most;
+}
+
+/// The memory of a session has room for what a track is read into; that of a slot is looked at where it is
+/// solved.
+bool has_room_for(const TrackRequest& request) {
+  return is_count(request.axis_count, max_axes) && request.axis_count >= 1 &&
+         is_count(request.key_count, max_keys) && is_count(request.lock_count, max_locks) &&
+         is_count(request.weight_count, max_axes + max_guides) && is_count(request.shape_count, max_keys) &&
+         is_count(request.segment_count, max_segments) && is_count(request.corner_count, max_keys);
+}
+
 }  // namespace
 
 Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
@@ -25,119 +38,118 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
                  .remedy = "edit the file as text; the command line plans it",
                  .needed = index + 1};
   }
-  Reader reader(arguments);
-  TrackInput input;
-  PathSpec& path = input.path;
-  path.spline = static_cast<Spline>(std::clamp(reader.integer(), 0, 3));
-  path.closed = reader.integer() != 0;
-  path.axis_count = reader.integer();
-  const std::int32_t keys = reader.integer();
-  path.overshoot = reader.integer() != 0;
-  input.ends = reader.integer() != 0 ? CurveEnds::periodic : CurveEnds::natural;
-  input.frames = reader.integer();
-  input.fps.numerator = reader.integer();
-  input.fps.denominator = reader.integer();
-  const std::int32_t values = reader.integer();
-  const std::int32_t locks = reader.integer();
-  const std::int32_t key_frames = reader.integer();
-  input.kinetic = static_cast<Kinetic>(std::clamp(reader.integer(), 0, 2));
-  path.rests_at_start = reader.integer() != 0;
-  path.rests_at_end = reader.integer() != 0;
-  const std::int32_t laps = reader.integer();
-  const std::int32_t weights = reader.integer();
-  const std::int32_t shapes = reader.integer();
-  const std::int32_t segments = reader.integer();
-  const std::int32_t corners = reader.integer();
-  const bool is_sane =
-      path.axis_count >= 1 && path.axis_count <= static_cast<std::int32_t>(max_axes) && keys >= 0 &&
-      keys <= static_cast<std::int32_t>(max_keys) && locks <= static_cast<std::int32_t>(max_locks) &&
-      weights <= static_cast<std::int32_t>(max_axes + max_guides) && weights >= 0 &&
-      shapes <= static_cast<std::int32_t>(max_keys) && segments <= static_cast<std::int32_t>(max_segments) &&
-      corners >= 0 && corners <= static_cast<std::int32_t>(max_keys);
-  if (!is_sane) {
+  const TrackRequest& request = arguments.records.track_request;
+  if (!has_room_for(request)) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the track is larger than this page solves",
                  .remedy = "edit the file as text; the command line plans it"};
   }
-  path.keys = reader.numbers(keys * path.axis_count);
-  path.lap = reader.numbers(laps);
-  path.weights = reader.numbers(weights);
-  for (std::int32_t i = 0; i < shapes; ++i) {
-    shapes_[static_cast<std::size_t>(i)] = {reader.number(), reader.number(), reader.number()};
-  }
-  if (shapes > 0) path.shapes = std::span(shapes_).first(static_cast<std::size_t>(shapes));
-  input.control_values = reader.numbers(values);
-  for (std::int32_t i = 0; i < locks; ++i) {
-    KeyLock& lock = locks_[static_cast<std::size_t>(i)];
-    lock = {.key = reader.integer(), .frame = reader.integer(), .hold = reader.integer()};
-    lock.breaks = reader.integer() != 0;
-    lock.ease = reader.integer() != 0;
-  }
-  if (locks > 0) input.locks = std::span(locks_).first(static_cast<std::size_t>(locks));
-  input.key_frames = reader.integers(key_frames);
-  // Keys on frames have overlaps, and at a drawn speed keys have tolerances.
-  if (key_frames > 0) {
-    path.overlap_frames = reader.integers(corners);
-  } else {
-    path.path_tolerances = reader.numbers(corners);
-  }
-  if (segments > 0) {
-    const auto count = static_cast<std::size_t>(segments);
-    for (FrameKnot& knot : std::span(knots_).first(count)) {
-      knot = {.key = reader.integer(),
-              .part = reader.integer(),
-              .parts = reader.integer(),
-              .length = reader.integer()};
-    }
-    const std::size_t rows = count * static_cast<std::size_t>(weights);
-    for (Cubic& cubic : std::span(cubics_).first(rows)) {
-      cubic = {reader.number(), reader.number(), reader.number(), reader.number()};
-    }
-    input.cubics = CubicPathSpec{.spline = path.spline,
-                                 .closed = path.closed,
-                                 .axis_count = path.axis_count,
-                                 .key_count = keys,
-                                 .cubics = std::span(cubics_).first(rows),
-                                 .weights = path.weights,
-                                 .knots = std::span(knots_).first(count),
-                                 .over_frames = input.kinetic == Kinetic::curves && key_frames > 0};
-  }
+  Reader reader(arguments);
+  const TrackInput input = read_track(request, reader);
   if (!reader.is_complete()) return incomplete;
   return slots_[static_cast<std::size_t>(index)].solve(input);
 }
 
+TrackInput Session::read_track(const TrackRequest& request, Reader& reader) {
+  TrackInput input;
+  input.ends = request.is_periodic != 0 ? CurveEnds::periodic : CurveEnds::natural;
+  input.kinetic = static_cast<Kinetic>(std::clamp(request.kinetic, 0, 2));
+  input.frames = request.frames;
+  input.fps.numerator = request.fps_numerator;
+  input.fps.denominator = request.fps_denominator;
+  PathSpec& path = input.path;
+  path.spline = static_cast<Spline>(std::clamp(request.spline, 0, 3));
+  path.closed = request.is_closed != 0;
+  path.overshoot = request.overshoots != 0;
+  path.rests_at_start = request.rests_at_start != 0;
+  path.rests_at_end = request.rests_at_end != 0;
+  path.axis_count = request.axis_count;
+  path.keys = reader.numbers(request.key_count * request.axis_count);
+  path.lap = reader.numbers(request.lap_count);
+  path.weights = reader.numbers(request.weight_count);
+  path.shapes = read_shapes(request.shape_count, reader);
+  input.control_values = reader.numbers(request.control_value_count);
+  input.locks = read_locks(request.lock_count, reader);
+  input.key_frames = reader.integers(request.key_frame_count);
+  // Keys on frames have overlaps, and at a drawn speed keys have tolerances.
+  if (request.key_frame_count > 0) {
+    path.overlap_frames = reader.integers(request.corner_count);
+  } else {
+    path.path_tolerances = reader.numbers(request.corner_count);
+  }
+  if (request.segment_count > 0) input.cubics = read_cubics(request, input, reader);
+  return input;
+}
+
+std::span<const KeyShape> Session::read_shapes(std::int32_t count, Reader& reader) {
+  if (count <= 0) return {};
+  const std::span<KeyShape> shapes = std::span(shapes_).first(static_cast<std::size_t>(count));
+  for (KeyShape& shape : shapes) shape = {reader.number(), reader.number(), reader.number()};
+  return shapes;
+}
+
+std::span<const KeyLock> Session::read_locks(std::int32_t count, Reader& reader) {
+  if (count <= 0) return {};
+  const std::span<KeyLock> locks = std::span(locks_).first(static_cast<std::size_t>(count));
+  for (KeyLock& lock : locks) {
+    lock = {.key = reader.integer(), .frame = reader.integer(), .hold = reader.integer()};
+    lock.breaks = reader.integer() != 0;
+    lock.ease = reader.integer() != 0;
+  }
+  return locks;
+}
+
+CubicPathSpec Session::read_cubics(const TrackRequest& request, const TrackInput& input, Reader& reader) {
+  const auto count = static_cast<std::size_t>(request.segment_count);
+  const std::span<FrameKnot> knots = std::span(knots_).first(count);
+  for (FrameKnot& knot : knots) {
+    knot = {.key = reader.integer(),
+            .part = reader.integer(),
+            .parts = reader.integer(),
+            .length = reader.integer()};
+  }
+  const std::span<Cubic> cubics =
+      std::span(cubics_).first(count * static_cast<std::size_t>(request.weight_count));
+  for (Cubic& cubic : cubics) cubic = {reader.number(), reader.number(), reader.number(), reader.number()};
+  const PathSpec& path = input.path;
+  return {.spline = path.spline,
+          .closed = path.closed,
+          .axis_count = path.axis_count,
+          .key_count = request.key_count,
+          .cubics = cubics,
+          .weights = path.weights,
+          .knots = knots,
+          .over_frames = input.kinetic == Kinetic::curves && request.key_frame_count > 0};
+}
+
 Status Session::assemble(const Exchange& arguments) {
   assembled_ = false;
-  Reader reader(arguments);
-  const std::int32_t count = reader.integer();
-  const std::int32_t axes = reader.integer();
-  const std::int32_t motors = reader.integer();
-  const std::int32_t rate_hz = reader.integer();
-  const auto most = static_cast<std::int32_t>(max_move_axes);
-  if (count < 1 || count > static_cast<std::int32_t>(max_tracks) || axes < 0 || axes > most || motors < 0 ||
-      motors > most) {
+  const MoveRequest& request = arguments.records.move_request;
+  if (!is_count(request.track_count, max_tracks) || request.track_count < 1 ||
+      !is_count(request.axis_count, max_move_axes) || !is_count(request.motor_count, max_move_axes)) {
     return Error{.code = ErrorCode::capacity,
                  .what = "the move has more tracks or axes than this page solves",
                  .remedy = "edit the file as text; the command line plans it"};
   }
-  if (rate_hz < 1) return incomplete;
+  if (request.rate_hz < 1) return incomplete;
   track_count_ = 0;
   auto* const tracks = reinterpret_cast<Track*>(tracks_.data());
-  for (std::int32_t i = 0; i < count; ++i) {
+  for (std::int32_t i = 0; i < request.track_count; ++i) {
     const TrackSlot* const slot = solved(i);
     if (slot == nullptr) return incomplete;
     std::construct_at(tracks + track_count_++, slot->track());
   }
-  const auto limit_count = static_cast<std::size_t>(axes + motors);
+  Reader reader(arguments);
+  const auto motor_count = static_cast<std::size_t>(request.motor_count);
+  const std::size_t limit_count = static_cast<std::size_t>(request.axis_count) + motor_count;
   if (const Status read = read_limits(limit_count, reader); !read) return read;
-  const auto motor_count = static_cast<std::size_t>(motors);
   for (std::size_t m = 0; m < motor_count; ++m) {
     if (const Status read = read_motor(m, reader); !read) return read;
   }
   if (!reader.is_complete()) return incomplete;
   const std::span limits(reinterpret_cast<const AxisLimits*>(limits_.data()), limit_count);
   const Status certified =
-      certificate_.make(this->tracks(), limits, std::span(motors_).first(motor_count), rate_hz);
+      certificate_.make(this->tracks(), limits, std::span(motors_).first(motor_count), request.rate_hz);
   assembled_ = certified.has_value();
   return certified;
 }

@@ -12,10 +12,19 @@
 
 namespace inbetween::editor {
 
-/// The functions of abi.cpp, which says what each reads and writes, on data instead of on static memory.
 class Session {
  public:
+  /// Solves what the track request says. Behind it are these integers: key, frame, hold, whether it breaks
+  /// and whether it eases of each lock; the key frames; the overlaps of the corners, if there are key frames;
+  /// key, part, parts and length of each segment of a path that the program made. And these numbers: the
+  /// position of every axis at each key; the lap; the weights; tension, continuity and bias of each shape;
+  /// the control values; the tolerances of the corners, if there are no key frames; the cubics of every
+  /// segment.
   Status solve_track(std::int32_t index, const Exchange& arguments);
+  /// Makes the move that the move request says of the solved tracks. Integers: of each motor its axis and how
+  /// many marks it has. Numbers: eight for each axis, and then for each motor (min, max, max_velocity,
+  /// max_acceleration, max_jerk, max_acceleration_step, stop_acceleration, stop_jerk), not a number where the
+  /// rig does not say; of each motor its marks, the place of the axis and that of the motor.
   Status assemble(const Exchange& arguments);
 
   [[nodiscard]] const TrackSlot* solved(std::int32_t index) const;
@@ -25,6 +34,11 @@ class Session {
 
  private:
   [[nodiscard]] std::span<const Track> tracks() const;
+  // The spans of what they read are in the arguments or in the members below.
+  TrackInput read_track(const TrackRequest& request, Reader& reader);
+  std::span<const KeyShape> read_shapes(std::int32_t count, Reader& reader);
+  std::span<const KeyLock> read_locks(std::int32_t count, Reader& reader);
+  CubicPathSpec read_cubics(const TrackRequest& request, const TrackInput& input, Reader& reader);
   Status read_limits(std::size_t count, Reader& reader);
   Status read_motor(std::size_t number, Reader& reader);
 

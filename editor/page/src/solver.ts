@@ -1,8 +1,8 @@
 // The core, as WebAssembly. editor/solver/abi.cpp is the other side and says what each function reads and writes.
 import { isRounded, perSecond, type Limits, type Move, type Rig, type Track } from "./move";
+import { type RecordAbi, Records, textAt } from "./records";
 
-interface Abi {
-  memory: WebAssembly.Memory;
+interface Abi extends RecordAbi {
   _initialize(): void;
   ib_numbers(): number;
   ib_integers(): number;
@@ -90,10 +90,12 @@ class Failure extends Error {
 export class Solver {
   private readonly numbers: number;
   private readonly integers: number;
+  private readonly records: Records;
   private constructor(private readonly abi: Abi) {
     abi._initialize();
     this.numbers = abi.ib_numbers();
     this.integers = abi.ib_integers();
+    this.records = new Records(abi);
   }
 
   static async load(bytes: BufferSource | Response): Promise<Solver> {
@@ -195,12 +197,30 @@ export class Solver {
       throw new Failure({ what: "a key has no frame", remedy: "give it one: all keys of this track have frames",
         track: index, key: keys.findIndex((key) => key.frame === null), axis: -1 });
     }
+    this.records.write("track_request", {
+      spline: splines.indexOf(track.spline),
+      kinetic: overlaps ? kinetics.curves : kinetics[track.kinetic ?? "curves"],
+      is_closed: Number(isReturnedTo),
+      is_periodic: Number(track.periodic),
+      overshoots: Number(track.overshoot),
+      rests_at_start: Number(track.rests[0]),
+      rests_at_end: Number(track.rests[1]),
+      frames: move.frames,
+      fps_numerator: move.fps.numerator,
+      fps_denominator: move.fps.denominator,
+      axis_count: track.axes.length,
+      key_count: keys.length,
+      lap_count: track.lap.length,
+      weight_count: weights.length,
+      shape_count: shapes,
+      control_value_count: speed.length,
+      lock_count: locks.length,
+      key_frame_count: byFrames ? keys.length + Number(isReturnedTo) : 0,
+      corner_count: corners.length,
+      segment_count: segments,
+    });
     let i = 0;
     const put = (...values: number[]): void => values.forEach((value) => (integers[i++] = value));
-    put(splines.indexOf(track.spline), Number(isReturnedTo), track.axes.length, keys.length, Number(track.overshoot),
-      Number(track.periodic), move.frames, move.fps.numerator, move.fps.denominator, speed.length, locks.length,
-      byFrames ? keys.length + Number(isReturnedTo) : 0, overlaps ? kinetics.curves : kinetics[track.kinetic ?? "curves"],
-      Number(track.rests[0]), Number(track.rests[1]), track.lap.length, weights.length, shapes, segments, corners.length);
     for (const { key, k } of locks) {
       put(k, key.frame ?? -1, key.hold ?? 0, Number(key.break), Number(key.ease));
     }
@@ -230,8 +250,13 @@ export class Solver {
     const axes = move.rig ? move.axes : [];
     const moved = movedOf(move);
     const motors = moved.slice(axes.length);
-    integers.set([move.tracks.length, axes.length, motors.length, move.rig ? move.rig.rate_hz : 1]);
-    let i = 4;
+    this.records.write("move_request", {
+      track_count: move.tracks.length,
+      axis_count: axes.length,
+      motor_count: motors.length,
+      rate_hz: move.rig ? move.rig.rate_hz : 1,
+    });
+    let i = 0;
     let n = 0;
     for (const { limits: l } of moved) {
       for (const value of [l.min, l.max, l.max_velocity, l.max_acceleration, l.max_jerk, l.max_acceleration_step,
@@ -250,11 +275,10 @@ export class Solver {
 
   private readTrack(move: Move, index: number): SolvedTrack {
     this.abi.ib_track(index);
-    const { numbers, integers } = this.view();
-    const half = (i: number): string => (integers[i] >>> 0).toString(16).padStart(8, "0");
-    const hash = half(1) + half(0);
-    const [frames, segments, keys, , values] = integers.slice(2, 7);
-    const [length, constant, integral] = numbers.slice(0, 3);
+    const report = this.records.read("track_report");
+    const { frames, segment_count: segments, length } = report;
+    const half = (integer: number): string => (integer >>> 0).toString(16).padStart(8, "0");
+    const hash = half(report.hash_high) + half(report.hash_low);
     const perSegment = Math.max(4, Math.min(24, Math.round(2400 / Math.max(segments, 1))));
     const points = this.abi.ib_path(index, perSegment);
     const rows = move.tracks[index].axes.length;
@@ -265,8 +289,8 @@ export class Solver {
     const played = this.out(this.abi.ib_played_values(index)).slice();
     const met = this.abi.ib_key_frames(index);
     const { numbers: at, integers: of } = this.view();
-    const keyFrames = new Array<number>(keys).fill(0);
-    const keyPlaces = new Array<Float64Array>(keys);
+    const keyFrames = new Array<number>(report.key_count).fill(0);
+    const keyPlaces = new Array<Float64Array>(report.key_count);
     const begins = new Float64Array(met);
     let last = 0;
     for (let i = 0; i < met; ++i) {
@@ -279,6 +303,7 @@ export class Solver {
     }
     if (keyFrames.length > 0) keyFrames.push(last);
     // L(s) = K Phi(a), and a runs through f spans in the time of the move: speed = K phi da/dt.
+    const { constant, total_integral: integral, played_value_count: values } = report;
     const unitPerValue = integral > 0 && values > 1 ? (constant * (values - 1) * perSecond(move.fps)) / frames : 0;
     return { hash, segments, length, path, perSegment, table, begins, stride, keyFrames, keyPlaces, played, unitPerValue };
   }
@@ -286,44 +311,41 @@ export class Solver {
   private readCertificate(move: Move): Certificate | null {
     if (!this.abi.ib_certificate()) return null;
     const { numbers, integers } = this.view();
-    const axes = integers[2];
-    if (axes === 0) return null;
+    const report = this.records.read("move_report");
+    if (report.axis_count === 0) return null;
     const moved = movedOf(move);
-    const [cells, stepCount, , stops, kind, axis, quantity] = integers.slice(4, 11);
-    const [highestRate, longestStop, , , value, limit, frame] = numbers.slice(0, 7);
-    let i = 11;
-    let n = 7;
+    let i = 0;
+    let n = 0;
     const peak = (): Peak => ({ value: numbers[n++], frame: numbers[n++] });
     const peaks = Array.from({ length: moved.length }, () => ({
       lowest: peak(), highest: peak(), velocity: peak(), acceleration: peak(), jerk: peak(),
     }));
     const ceilings = move.tracks.map(() =>
-      Array.from({ length: cells }, () => ({ rate: numbers[n++], axis: integers[i++], quantity: integers[i++] })));
-    const steps = Array.from({ length: stepCount }, () => ({
+      Array.from({ length: report.cell_count }, () => ({ rate: numbers[n++], axis: integers[i++], quantity: integers[i++] })));
+    const steps = Array.from({ length: report.step_count }, () => ({
       track: integers[i++], key: integers[i++], axis: integers[i++],
       frame: numbers[n++], velocity: numbers[n++], acceleration: numbers[n++],
     }));
+    const fits = report.breach_kind === 0;
     return {
-      firstFrame: integers[0], lastFrame: integers[1], highestRate, peaks, ceilings, steps,
-      fits: kind === 0,
-      reason: kind === 0 ? "" : reasonOf(moved[axis], { kind, quantity, value, limit, frame }),
-      longestStop: stops ? longestStop : null,
+      firstFrame: report.first_frame, lastFrame: report.last_frame, highestRate: report.highest_rate, peaks, ceilings, steps,
+      fits,
+      reason: fits ? "" : reasonOf(moved[report.breach_axis], {
+        kind: report.breach_kind, quantity: report.breach_quantity, value: report.breach_value, limit: report.breach_limit,
+        frame: report.breach_frame,
+      }),
+      longestStop: report.stops_are_proven ? report.longest_stop_seconds : null,
     };
   }
 
   private fail(track: number): never {
     this.abi.ib_error();
-    const { integers } = this.view();
+    const { key, axis } = this.records.read("error_report");
     throw new Failure({
-      what: this.text(this.abi.ib_error_what()),
-      remedy: this.text(this.abi.ib_error_remedy()),
-      track, key: integers[1], axis: integers[2],
+      what: textAt(this.abi.memory, this.abi.ib_error_what()),
+      remedy: textAt(this.abi.memory, this.abi.ib_error_remedy()),
+      track, key, axis,
     });
-  }
-
-  private text(begin: number): string {
-    const bytes = new Uint8Array(this.abi.memory.buffer, begin);
-    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
   }
 }
 
