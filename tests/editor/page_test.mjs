@@ -9,7 +9,7 @@ import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import {
-  alone, centre, edit, example, hashes, hundredKeys, key, pick, pictures, settled, shown, startBrowser, stopBrowser, until, value, written,
+  alone, centre, edit, example, hashes, hundredKeys, key, pick, pictures, shown, startBrowser, stopBrowser, until, value, written,
 } from "./editor.mjs";
 
 before(startBrowser);

@@ -91,12 +91,12 @@ function rigOf(text: string): { rig: Move["rig"]; axes: Map<string, Axis> } {
       stop_acceleration: axis.number("stop_acceleration"), stop_jerk: axis.number("stop_jerk"),
     }, motor: null });
   }
-  return { rig: { name: String(file.name ?? "rig"), revision: "", rate_hz: Number(file.rate_hz ?? 250) }, axes };
+  return { rig: { name: new Members(file, "rig", null).text("name") ?? "rig", revision: "", rate_hz: Number(file.rate_hz ?? 250) }, axes };
 }
 
 /** Throws an Error, one line, where the page alone cannot read it. */
 export function moveOf(file: string, text: string, rigText: string | null): Move {
-  const move = new Members(parse(text) as Table, file, "name fps frames track");
+  const move = new Members(parse(text), file, "name fps frames track");
   const fps = parseFps(String(move.take("fps")));
   if (!fps) throw new Error(`${file}: fps is a whole number or a fraction`);
   const tracks = move.tables("track").map(trackOf);
@@ -181,7 +181,7 @@ export function askForFiles(open: (move: Move) => void, edited: () => Move | nul
     for (const file of dropped) texts.set(file.name, await file.text());
     if (now) texts.set(now.file, textOf(now)); // a rig that comes later is for the move as it is
     try {
-      const all = [...texts].map(([name, text]) => ({ name, text, table: parse(text) as Table }));
+      const all = [...texts].map(([name, text]) => ({ name, text, table: parse(text) }));
       const move = all.find(({ table }) => table.track !== undefined);
       const rig = all.find(({ table }) => table.axis !== undefined);
       if (move) open(moveOf(move.name, move.text, rig?.text ?? null));

@@ -23,7 +23,7 @@ export function html<K extends keyof HTMLElementTagNameMap>(
 export function svg<K extends keyof SVGElementTagNameMap>(
   tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
 ): SVGElementTagNameMap[K] {
-  const element = document.createElementNS(svgNamespace, tag) as SVGElementTagNameMap[K];
+  const element = document.createElementNS(svgNamespace, tag);
   set(element, attributes);
   element.append(...children);
   return element;

@@ -84,7 +84,7 @@ export class Server {
     let answer: { error?: string; revision?: string };
     try {
       response = await fetch(`/api/${what}`, { method, headers, body: body ? JSON.stringify(body) : undefined });
-      answer = await response.json(); // which may be cut off
+      answer = (await response.json()) as typeof answer; // which may be cut off
     } catch {
       throw new Refusal(0, "the program has ended", null);
     }

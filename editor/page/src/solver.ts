@@ -103,7 +103,7 @@ export class Solver {
     const none = new Proxy({}, { get: () => () => 52 });
     const imports = { wasi_snapshot_preview1: none };
     const source = bytes instanceof Response ? await bytes.arrayBuffer() : bytes;
-    const { instance } = await WebAssembly.instantiate(source, imports as WebAssembly.Imports);
+    const { instance } = await WebAssembly.instantiate(source, imports);
     return new Solver(instance.exports as unknown as Abi);
   }
 
