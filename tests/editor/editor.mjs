@@ -14,11 +14,14 @@ export const pictures = process.env.INBETWEEN_PICTURES ?? join(root, "build/rele
 mkdirSync(pictures, { recursive: true });
 
 let browser = null;
-const programs = new Set();  // that run: one whose test has failed would keep the tests from ending
+const programs = new Set(); // that run: one whose test has failed would keep the tests from ending
 export async function startBrowser() {
   // A container's root has no sandbox to give.
   const args = process.getuid() === 0 ? ["--no-sandbox"] : [];
-  browser = await chromium.launch({ executablePath: "/usr/bin/chromium-headless-shell", args: [...args, "--use-gl=swiftshader", "--enable-unsafe-swiftshader"] });
+  browser = await chromium.launch({
+    executablePath: "/usr/bin/chromium-headless-shell",
+    args: [...args, "--use-gl=swiftshader", "--enable-unsafe-swiftshader"],
+  });
 }
 export async function stopBrowser() {
   await browser.close();
@@ -40,7 +43,8 @@ export const until = (page, ask, argument) => eventually(() => page.evaluate(ask
 export const written = (is) => eventually(is, "the file is written so");
 
 /** Waits until what was done is in the picture: the page solves and draws before the next one, and not at once. */
-export const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+export const settled = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 /** Hashes of the tables that the page shows. */
 export async function shown(page) {
   await settled(page);
@@ -62,7 +66,11 @@ export const value = (page, i) => page.locator("#speed .value .knob").nth(i);
 
 /** Starts `inbetween edit` on a copy of the examples, with `text` in place of the move if it is given, and
  * `rigText` in place of the rig. With `browser` it opens one, in that environment. */
-export async function edit(move, rig, { text, rigText, viewport = { width: 1280, height: 720 }, touch = false, browser: desktop } = {}) {
+export async function edit(
+  move,
+  rig,
+  { text, rigText, viewport = { width: 1280, height: 720 }, touch = false, browser: desktop } = {},
+) {
   const folder = mkdtempSync(join(tmpdir(), "inbetween-editor-"));
   cpSync(join(root, "examples"), folder, { recursive: true });
   const path = join(folder, move);
@@ -71,22 +79,26 @@ export async function edit(move, rig, { text, rigText, viewport = { width: 1280,
   const words = ["edit", path, ...(desktop ? [] : ["--no-browser"]), ...(rig ? ["--rig", join(folder, rig)] : [])];
   let running = null;
   let said = "";
-  const launch = () => new Promise((resolve, reject) => {
-    running = spawn(program, words, { stdio: ["ignore", "pipe", "pipe"], env: { ...process.env, ...desktop, XDG_STATE_HOME: join(folder, "state") } });
-    const launched = running;
-    programs.add(launched);
-    said = "";
-    launched.stdout.on("data", (bytes) => {
-      said += bytes;
-      const found = /http:\/\/\S+/.exec(said);
-      if (found) resolve(found[0]);
+  const launch = () =>
+    new Promise((resolve, reject) => {
+      running = spawn(program, words, {
+        stdio: ["ignore", "pipe", "pipe"],
+        env: { ...process.env, ...desktop, XDG_STATE_HOME: join(folder, "state") },
+      });
+      const launched = running;
+      programs.add(launched);
+      said = "";
+      launched.stdout.on("data", (bytes) => {
+        said += bytes;
+        const found = /http:\/\/\S+/.exec(said);
+        if (found) resolve(found[0]);
+      });
+      launched.stderr.on("data", (bytes) => (said += bytes));
+      launched.on("exit", () => {
+        programs.delete(launched);
+        reject(new Error(said));
+      });
     });
-    launched.stderr.on("data", (bytes) => (said += bytes));
-    launched.on("exit", () => {
-      programs.delete(launched);
-      reject(new Error(said));
-    });
-  });
   const stop = async (signal) => {
     if (running.exitCode !== null || running.signalCode !== null) return;
     const ended = new Promise((done) => running.on("exit", done));
@@ -104,23 +116,40 @@ export async function edit(move, rig, { text, rigText, viewport = { width: 1280,
   await page.goto(address);
   await page.waitForSelector("#frames");
   // A path of cubics takes more than the megabyte that node allows a program to say.
-  const plan = () => JSON.parse(execFileSync(program, ["plan", path, ...(rig ? ["--rig", join(folder, rig)] : []), "--json", "-"],
-    { stdio: ["ignore", "pipe", "ignore"], maxBuffer: 64 * 1024 * 1024 }));
+  const plan = () =>
+    JSON.parse(
+      execFileSync(program, ["plan", path, ...(rig ? ["--rig", join(folder, rig)] : []), "--json", "-"], {
+        stdio: ["ignore", "pipe", "ignore"],
+        maxBuffer: 64 * 1024 * 1024,
+      }),
+    );
   // Its exit status is 3 where the move does not fit.
   const check = () => JSON.parse(spawnSync(program, ["check", path, "--rig", join(folder, rig), "--json", "-"]).stdout);
   return {
-    page, context, path, folder, address, complaints, launch,
+    page,
+    context,
+    path,
+    folder,
+    address,
+    complaints,
+    launch,
     kill: () => stop("SIGKILL"),
-    get pid() { return running.pid; },
+    get pid() {
+      return running.pid;
+    },
     said: () => said,
     read: () => readFileSync(path, "utf8"),
     plan,
     check,
     shown: () => shown(page),
-    planned: () => plan().tracks.map((track) => track.hash ?? track.provenance?.hash).join(" "),
+    planned: () =>
+      plan()
+        .tracks.map((track) => track.hash ?? track.provenance?.hash)
+        .join(" "),
     settled: () => settled(page),
     // Its words alone are not enough: a page that is drawn late still shows those of before.
-    saved: () => until(page, () => !window.inbetween.store.isChanged && document.getElementById("saved").textContent === "saved"),
+    saved: () =>
+      until(page, () => !window.inbetween.store.isChanged && document.getElementById("saved").textContent === "saved"),
     picture: (name) => page.screenshot({ path: join(pictures, `${name}.png`) }),
     async end() {
       await context.close();
@@ -139,15 +168,21 @@ export async function alone() {
   return { page, end: () => context.close() };
 }
 export const example = (name) => join(root, "examples", name);
-export const hashes = (move, rig) => JSON.parse(execFileSync(program, ["plan", move, "--rig", rig, "--json", "-"],
-  { stdio: ["ignore", "pipe", "ignore"] })).tracks.map((track) => track.hash ?? track.provenance?.hash).join(" ");
+export const hashes = (move, rig) =>
+  JSON.parse(
+    execFileSync(program, ["plan", move, "--rig", rig, "--json", "-"], { stdio: ["ignore", "pipe", "ignore"] }),
+  )
+    .tracks.map((track) => track.hash ?? track.provenance?.hash)
+    .join(" ");
 
 /** A move of a hundred keys on three axes, with a curve of forty control values. */
 export function hundredKeys() {
   const keys = [];
   for (let k = 0; k < 100; ++k) {
-    keys.push(`  { at = [${(60 + 15 * k).toFixed(1)}, ${(40 * Math.sin(k / 7)).toFixed(2)}, ${(20 * Math.cos(k / 5)).toFixed(2)}] },`);
+    keys.push(
+      `  { at = [${(60 + 15 * k).toFixed(1)}, ${(40 * Math.sin(k / 7)).toFixed(2)}, ${(20 * Math.cos(k / 5)).toFixed(2)}] },`,
+    );
   }
-  const speed = [0, 0, ...Array.from({ length: 36 }, (_, i) => 8 + 3 * Math.round(Math.sin(i) * 10) / 10), 0, 0];
+  const speed = [0, 0, ...Array.from({ length: 36 }, (_, i) => 8 + (3 * Math.round(Math.sin(i) * 10)) / 10), 0, 0];
   return `name = "hundred keys"\nfps = 24\nframes = 960\n[[track]]\naxes = ["slide", "pan", "tilt"]\nkeys = [\n${keys.join("\n")}\n]\nspeed = [${speed.map((v) => Number(v.toFixed(2))).join(", ")}]\nweights = [1.0, 6.0, 6.0]\n`;
 }

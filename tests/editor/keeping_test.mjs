@@ -16,7 +16,11 @@ after(stopBrowser);
 async function reveal({ autosave = false } = {}) {
   const editor = await edit("reveal.toml", "camera_rig.toml");
   if (!autosave) await editor.page.locator("#autosave").uncheck();
-  return { ...editor, first: editor.read(), beside: (name) => readFileSync(join(editor.folder, `reveal.${name}.toml`), "utf8") };
+  return {
+    ...editor,
+    first: editor.read(),
+    beside: (name) => readFileSync(join(editor.folder, `reveal.${name}.toml`), "utf8"),
+  };
 }
 
 /** A control value up by a step, as a person does it. */
@@ -26,10 +30,11 @@ async function raise(page, i) {
   await page.keyboard.press("ArrowUp");
   await until(page, (old) => JSON.stringify(window.inbetween.store.move.tracks) !== old, JSON.stringify(was.tracks));
 }
-const move = (page) => page.evaluate(() => {
-  const { frames, tracks } = window.inbetween.store.move;
-  return JSON.stringify([frames, tracks.map((track) => [track.keys, track.speed])]);
-});
+const move = (page) =>
+  page.evaluate(() => {
+    const { frames, tracks } = window.inbetween.store.move;
+    return JSON.stringify([frames, tracks.map((track) => [track.keys, track.speed])]);
+  });
 async function another(editor) {
   const page = await editor.context.newPage();
   await page.goto(editor.address);
@@ -40,12 +45,14 @@ async function loadAgain(page) {
   await page.reload();
   await page.waitForSelector("#frames");
 }
-const noticed = (page, id, words) => until(page, ([notice, text]) => document.getElementById(notice)?.textContent.includes(text), [`notice-${id}`, words]);
+const noticed = (page, id, words) =>
+  until(page, ([notice, text]) => document.getElementById(notice)?.textContent.includes(text), [`notice-${id}`, words]);
 async function downloaded(page, button) {
   const [taken] = await Promise.all([page.waitForEvent("download"), page.locator(button).click()]);
   return readFileSync(await taken.path(), "utf8");
 }
-const limitFiles = (editor, bytes) => execFileSync("prlimit", ["--pid", String(editor.pid), `--fsize=${bytes}:unlimited`]);
+const limitFiles = (editor, bytes) =>
+  execFileSync("prlimit", ["--pid", String(editor.pid), `--fsize=${bytes}:unlimited`]);
 
 test("the hundredth save is as good as the first", async () => {
   const editor = await reveal();
@@ -76,7 +83,7 @@ test("what was saved and then changed outside is kept when the file is loaded, a
   await until(page, () => document.getElementById("said").textContent.startsWith("Loaded"));
   assert.equal(editor.beside("mine-1"), mine);
   await page.keyboard.press("Control+z");
-  await eventually(async () => await move(page) === shape, "the move is as it was"); // and saved so
+  await eventually(async () => (await move(page)) === shape, "the move is as it was"); // and saved so
   await written(() => editor.read() === mine);
   await editor.end();
 });
@@ -257,7 +264,9 @@ test("a port that another program has taken is named, and another is used", asyn
   const editor = await reveal();
   const port = Number(new URL(editor.address).port);
   await editor.kill();
-  const other = createServer((request, response) => response.writeHead(403, { "Content-Type": "application/json" }).end("{}"));
+  const other = createServer((request, response) =>
+    response.writeHead(403, { "Content-Type": "application/json" }).end("{}"),
+  );
   await new Promise((done) => other.listen(port, "127.0.0.1", done));
   await noticed(editor.page, "away", "Another program has the address of this page now");
   const address = await editor.launch();
@@ -315,7 +324,11 @@ test("a browser without room says so, and keeps again once there is some", async
   await noticed(page, "room", "no room left");
   await editor.picture("browser_full");
   const shape = await move(page);
-  await page.evaluate(() => Object.keys(localStorage).filter((name) => name.startsWith("filler")).forEach((name) => localStorage.removeItem(name)));
+  await page.evaluate(() =>
+    Object.keys(localStorage)
+      .filter((name) => name.startsWith("filler"))
+      .forEach((name) => localStorage.removeItem(name)),
+  );
   await page.locator("#forget").click();
   assert.equal(await page.locator("#notice-room").count(), 0);
   await loadAgain(page);

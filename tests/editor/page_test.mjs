@@ -9,7 +9,21 @@ import { tmpdir } from "node:os";
 import { basename, dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import {
-  alone, centre, edit, example, hashes, hundredKeys, key, pick, pictures, shown, startBrowser, stopBrowser, until, value, written,
+  alone,
+  centre,
+  edit,
+  example,
+  hashes,
+  hundredKeys,
+  key,
+  pick,
+  pictures,
+  shown,
+  startBrowser,
+  stopBrowser,
+  until,
+  value,
+  written,
 } from "./editor.mjs";
 
 before(startBrowser);
@@ -127,7 +141,10 @@ test("a key inserted by a double click lies on the path", async () => {
     const box = await page.locator("#plan svg").boundingBox();
     const wanted = [(a[0] + b[0]) / 2 - box.x, (a[1] + b[1]) / 2 - box.y];
     const nearest = middle.reduce((best, point) =>
-      Math.hypot(point[0] - wanted[0], point[1] - wanted[1]) < Math.hypot(best[0] - wanted[0], best[1] - wanted[1]) ? point : best);
+      Math.hypot(point[0] - wanted[0], point[1] - wanted[1]) < Math.hypot(best[0] - wanted[0], best[1] - wanted[1])
+        ? point
+        : best,
+    );
     const count = await page.locator("#plan .key").count();
     await page.mouse.dblclick(box.x + nearest[0], box.y + nearest[1]);
     await editor.settled();
@@ -175,7 +192,12 @@ test("Shift or Ctrl with a click adds to what is selected", async () => {
   await value(page, 6).click({ modifiers: ["ControlOrMeta"] });
   assert.equal(await chosen("#speed .value"), 3);
   await page.locator("table.keys tbody tr").nth(1).locator("input").first().click();
-  await page.locator("table.keys tbody tr").nth(2).locator("input").first().click({ modifiers: ["Shift"] });
+  await page
+    .locator("table.keys tbody tr")
+    .nth(2)
+    .locator("input")
+    .first()
+    .click({ modifiers: ["Shift"] });
   assert.equal(await chosen("table.keys tr"), 2);
   assert.deepEqual(editor.complaints, []);
   await editor.end();
@@ -214,14 +236,20 @@ test("what is inserted is raised alone, a key with a frame is copied to a free o
 
 test("a held key is moved one frame from where its hold begins", async () => {
   const editor = await edit("reveal.toml", "camera_rig.toml", {
-    text: readFileSync(example("reveal.toml"), "utf8").replace("{ at = [ 860.0, -30.0,   4.0] }", "{ at = [ 860.0, -30.0,   4.0], frame = 90, hold = 20 }") });
+    text: readFileSync(example("reveal.toml"), "utf8").replace(
+      "{ at = [ 860.0, -30.0,   4.0] }",
+      "{ at = [ 860.0, -30.0,   4.0], frame = 90, hold = 20 }",
+    ),
+  });
   assert.equal(await editor.page.locator("table.keys tbody tr").nth(2).locator("input").last().inputValue(), "90");
   await afterwards(editor, async (page) => {
     await pick(page, key(page, 2));
     await page.locator("table.keys tbody tr").nth(2).locator("input").last().fill("");
     await page.locator("table.keys tbody tr").nth(2).locator("input").last().press("Enter");
     await editor.settled();
-    const met = Number(await page.locator("table.keys tbody tr").nth(2).locator("input").last().getAttribute("placeholder"));
+    const met = Number(
+      await page.locator("table.keys tbody tr").nth(2).locator("input").last().getAttribute("placeholder"),
+    );
     // It rests from there on: at the end of the hold it would not.
     const rests = await page.evaluate((first) => {
       const { table, stride } = window.inbetween.store.solution.tracks[0];
@@ -230,14 +258,20 @@ test("a held key is moved one frame from where its hold begins", async () => {
     for (const slide of rests) assert.ok(Math.abs(slide - 860) < 1e-6, `at ${slide}`);
     await page.locator("#earlier").click();
     await editor.settled();
-    assert.equal(Number(await page.locator("table.keys tbody tr").nth(2).locator("input").last().inputValue()), Math.round(met) - 1);
+    assert.equal(
+      Number(await page.locator("table.keys tbody tr").nth(2).locator("input").last().inputValue()),
+      Math.round(met) - 1,
+    );
   });
   await editor.end();
 });
 
 /** From a key to where the path passes it, in pixels. */
-const missOf = (page, k) => page.locator("#plan .key .miss").nth(k).evaluate((line) =>
-  Math.hypot(Number(line.getAttribute("x2")), Number(line.getAttribute("y2"))));
+const missOf = (page, k) =>
+  page
+    .locator("#plan .key .miss")
+    .nth(k)
+    .evaluate((line) => Math.hypot(Number(line.getAttribute("x2")), Number(line.getAttribute("y2"))));
 
 test("actions overlap at a key by the number that is typed, and the miss is drawn", async () => {
   const editor = await edit("storyboard.toml", "camera_rig.toml");
@@ -251,20 +285,21 @@ test("actions overlap at a key by the number that is typed, and the miss is draw
     await page.locator("#key-corner").press("Enter");
   });
   assert.match(editor.read(), /frame = 168, overlap = 30 }/);
-  assert.ok(await missOf(editor.page, 3) > 1.5 * before);
+  assert.ok((await missOf(editor.page, 3)) > 1.5 * before);
   await editor.picture("overlap");
   await afterwards(editor, async (page) => {
     await page.locator("#key-corner").fill("");
     await page.locator("#key-corner").press("Enter");
   });
   assert.doesNotMatch(editor.read(), /overlap = 30/);
-  assert.ok(Math.abs(await missOf(editor.page, 3) - before) < 0.2);
+  assert.ok(Math.abs((await missOf(editor.page, 3)) - before) < 0.2);
   await editor.end();
 });
 
 test("a corner of a straight path is rounded by the distance that is typed", async () => {
   const editor = await edit("reveal.toml", "camera_rig.toml", {
-    text: readFileSync(example("reveal.toml"), "utf8").replace('"smooth"', '"linear"') });
+    text: readFileSync(example("reveal.toml"), "utf8").replace('"smooth"', '"linear"'),
+  });
   assert.equal(await missOf(editor.page, 2), 0);
   await afterwards(editor, async (page) => {
     await pick(page, key(page, 2));
@@ -274,7 +309,7 @@ test("a corner of a straight path is rounded by the distance that is typed", asy
     await page.locator("#key-ease").check();
   });
   assert.match(editor.read(), /round = 25 }/);
-  assert.ok(await missOf(editor.page, 2) > 1);
+  assert.ok((await missOf(editor.page, 2)) > 1);
   await editor.picture("round");
   // What is inserted on the path of a track with more segments than keys is between its keys.
   await afterwards(editor, async (page) => {
@@ -315,7 +350,8 @@ test("a press, a choice and a word being typed in the side panel outlast the pic
   const editor = await reveal();
   const { page } = editor;
   await pick(page, key(page, 2));
-  await page.evaluate(() => { // a picture at every chance
+  await page.evaluate(() => {
+    // a picture at every chance
     window.pictures = 0;
     window.inbetween.store.onChange(() => ++window.pictures);
     const again = () => {
@@ -361,7 +397,10 @@ async function stroke(page, to, steps = 40) {
   const box = await page.locator("#plan svg").boundingBox();
   for (let i = 0; i <= steps; ++i) {
     const share = (i / steps) ** 2 * (3 - (2 * i) / steps);
-    await to(i, [box.x + box.width * (0.15 + 0.7 * share), box.y + box.height * (0.8 - 0.6 * Math.sin(Math.PI * share * 0.6))]);
+    await to(i, [
+      box.x + box.width * (0.15 + 0.7 * share),
+      box.y + box.height * (0.8 - 0.6 * Math.sin(Math.PI * share * 0.6)),
+    ]);
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
   }
 }
@@ -406,7 +445,10 @@ test("limits that are exceeded are red, and fit and fewest frames cure them", as
     await page.keyboard.press("Enter");
     await editor.settled();
     assert.match(await page.locator("#verdict").textContent(), /✗ .*allowed/);
-    assert.match(await page.locator("#speed .over-text").textContent(), /(slide|pan|tilt): (velocity|acceleration|jerk) .* % too high/);
+    assert.match(
+      await page.locator("#speed .over-text").textContent(),
+      /(slide|pan|tilt): (velocity|acceleration|jerk) .* % too high/,
+    );
     assert.notEqual(await page.locator("#speed .over").getAttribute("d"), "");
     await editor.picture("limits_exceeded");
     await page.locator("#fewest").click();
@@ -428,7 +470,11 @@ test("limits that are exceeded are red, and fit and fewest frames cure them", as
 /** Whether two boxes have a pixel in common. */
 const meet = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 
-for (const [width, height] of [[1600, 900], [1280, 720], [390, 844]]) {
+for (const [width, height] of [
+  [1600, 900],
+  [1280, 720],
+  [390, 844],
+]) {
   test(`what is said covers nothing, no label lies over another, and every button can be reached, at ${width} pixels`, async () => {
     const editor = await edit("reveal.toml", "camera_rig.toml", { viewport: { width, height } });
     const { page } = editor;
@@ -447,7 +493,10 @@ for (const [width, height] of [[1600, 900], [1280, 720], [390, 844]]) {
       const around = await box(`#${part}`);
       for (const control of await page.locator(`#${part} :is(button, select, input):visible`).all()) {
         const { x, width: wide } = await control.boundingBox();
-        assert.ok(x >= around.x && x + wide <= around.x + around.width, `${part}: ${await control.getAttribute("aria-label")}`);
+        assert.ok(
+          x >= around.x && x + wide <= around.x + around.width,
+          `${part}: ${await control.getAttribute("aria-label")}`,
+        );
       }
     }
     assert.ok((await box("#plan")).width > 250, "there is room for the path");
@@ -479,7 +528,12 @@ test("the limits of the rig are seen when its file has others, and a file that i
   assert.match(await page.locator("#notice-rig").textContent(), /camera_rig\.toml:1.*The limits are those of before/);
   assert.match(await verdict(), /50 is allowed/);
   writeFileSync(rig, first);
-  await until(page, () => !document.getElementById("notice-rig") && document.getElementById("verdict").textContent.includes("within the limits"));
+  await until(
+    page,
+    () =>
+      !document.getElementById("notice-rig") &&
+      document.getElementById("verdict").textContent.includes("within the limits"),
+  );
   await page.locator("#notice-rig").waitFor({ state: "detached" });
   assert.deepEqual(editor.complaints, []);
   await editor.end();
@@ -489,7 +543,9 @@ test("the browser is led to the move without its key on a command line", async (
   const desktop = mkdtempSync(join(tmpdir(), "inbetween-desktop-"));
   const told = join(desktop, "told");
   writeFileSync(join(desktop, "xdg-open"), `#!/bin/sh\nprintf '%s\\n' "$*" >"${told}"\n`, { mode: 0o755 });
-  const editor = await edit("reveal.toml", "camera_rig.toml", { browser: { PATH: `${desktop}:${process.env.PATH}`, DISPLAY: ":9" } });
+  const editor = await edit("reveal.toml", "camera_rig.toml", {
+    browser: { PATH: `${desktop}:${process.env.PATH}`, DISPLAY: ":9" },
+  });
   await written(() => existsSync(told) && readFileSync(told, "utf8").endsWith("\n"));
   const opened = readFileSync(told, "utf8").trim();
   const key = editor.address.split("#")[1];
@@ -567,9 +623,15 @@ test("elevation, space and the axes over time", async () => {
 });
 
 test("of axes and of motors behind a calibration the page says what check says, to the last bit", async () => {
-  const withMotor = (most) => readFileSync(example("camera_rig.toml"), "utf8").replace("max_jerk = 8000.0",
-    `max_jerk = 8000.0\ncalibration = { unit = "deg", marks = [[0, 0], [600, 200], [1200, 500], [1800, 700]], max_velocity = ${most}, max_acceleration = 2000, max_jerk = 20000 }`);
-  for (const [most, verdict] of [[300, /within the limits/], [100, /✗ the motor of slide: velocity/]]) {
+  const withMotor = (most) =>
+    readFileSync(example("camera_rig.toml"), "utf8").replace(
+      "max_jerk = 8000.0",
+      `max_jerk = 8000.0\ncalibration = { unit = "deg", marks = [[0, 0], [600, 200], [1200, 500], [1800, 700]], max_velocity = ${most}, max_acceleration = 2000, max_jerk = 20000 }`,
+    );
+  for (const [most, verdict] of [
+    [300, /within the limits/],
+    [100, /✗ the motor of slide: velocity/],
+  ]) {
     const editor = await edit("reveal.toml", "camera_rig.toml", { rigText: withMotor(most) });
     const page = await editor.page.evaluate(() => window.inbetween.store.solution.certificate);
     const program = editor.check();
@@ -604,7 +666,8 @@ test("a rig with joints is shown as it stands, and its tip is where the command 
       const places = solver.places(move.rig, move.axes.length, at, 0, 1);
       return Array.from(places.slice(3 * move.rig.tip, 3 * move.rig.tip + 3));
     }, frame);
-    for (const [axis, name] of ["x", "y", "z"].entries()) assert.ok(Math.abs(place[axis] - tip.position[frame][axis]) < 1e-9, `${name} at frame ${frame}`);
+    for (const [axis, name] of ["x", "y", "z"].entries())
+      assert.ok(Math.abs(place[axis] - tip.position[frame][axis]) < 1e-9, `${name} at frame ${frame}`);
   }
   assert.deepEqual(editor.complaints, []);
   await editor.end();
@@ -654,9 +717,16 @@ test("a change is saved by itself, and undo reaches back over it", async () => {
 });
 
 test("other kinds of move open with the hash of the command line", async () => {
-  for (const [move, rig] of [["nod.toml", "puppet_head.toml"], ["turntable.toml", "turntable_rig.toml"],
-    ["track_and_focus.toml", null], ["jaw.toml", null], ["crane/over_the_table.toml", "crane/rig.toml"],
-    ["marionette/walk.toml", "marionette/rig.toml"], ["brow/raise.toml", "brow/rig.toml"], ["storyboard.toml", "camera_rig.toml"]]) {
+  for (const [move, rig] of [
+    ["nod.toml", "puppet_head.toml"],
+    ["turntable.toml", "turntable_rig.toml"],
+    ["track_and_focus.toml", null],
+    ["jaw.toml", null],
+    ["crane/over_the_table.toml", "crane/rig.toml"],
+    ["marionette/walk.toml", "marionette/rig.toml"],
+    ["brow/raise.toml", "brow/rig.toml"],
+    ["storyboard.toml", "camera_rig.toml"],
+  ]) {
     const editor = await edit(move, rig);
     assert.equal(await editor.shown(), editor.planned(), move);
     assert.deepEqual(editor.complaints, [], move);
@@ -666,16 +736,22 @@ test("other kinds of move open with the hash of the command line", async () => {
 
 test("without the program a move and a rig are dropped, edited and downloaded", async () => {
   const { page, end } = await alone();
-  const drop = (...files) => page.evaluate((dropped) => {
-    const dataTransfer = new DataTransfer();
-    for (const { name, text } of dropped) dataTransfer.items.add(new File([text], name));
-    document.dispatchEvent(new DragEvent("drop", { dataTransfer, cancelable: true }));
-  }, files.map((file) => ({ name: basename(file), text: readFileSync(file, "utf8") })));
+  const drop = (...files) =>
+    page.evaluate(
+      (dropped) => {
+        const dataTransfer = new DataTransfer();
+        for (const { name, text } of dropped) dataTransfer.items.add(new File([text], name));
+        document.dispatchEvent(new DragEvent("drop", { dataTransfer, cancelable: true }));
+      },
+      files.map((file) => ({ name: basename(file), text: readFileSync(file, "utf8") })),
+    );
   await page.waitForSelector("#files");
   await drop(example("crane/rig.toml"));
   await until(page, () => document.querySelector("[role=alert]").textContent.includes("drop the move as well"));
   await drop(example("crane/round_the_puppet.toml"));
-  await until(page, () => document.querySelector("[role=alert]").textContent.includes("open the file with inbetween edit"));
+  await until(page, () =>
+    document.querySelector("[role=alert]").textContent.includes("open the file with inbetween edit"),
+  );
   await drop(example("reveal.toml"), example("camera_rig.toml"));
   await page.waitForSelector("#frames");
   assert.equal(await shown(page), hashes(example("reveal.toml"), example("camera_rig.toml")));
@@ -720,11 +796,19 @@ test("a thousand silent connections keep nobody out, and are left", async () => 
     if (i % 2) socket.write("POST /api/save HTTP/1.1\r\nHost: ");
     return { socket, closed };
   });
-  await Promise.all(silent.slice(0, 900).map(({ socket }) => new Promise((done) => socket.on("connect", done).on("error", done))));
+  await Promise.all(
+    silent.slice(0, 900).map(({ socket }) => new Promise((done) => socket.on("connect", done).on("error", done))),
+  );
   const text = editor.read();
   const { page } = editor;
-  assert.equal(await page.evaluate(() => fetch("/api/move", { headers: { "X-Inbetween-Token": sessionStorage.getItem("inbetween-token") } })
-    .then((answer) => answer.status)), 200);
+  assert.equal(
+    await page.evaluate(() =>
+      fetch("/api/move", { headers: { "X-Inbetween-Token": sessionStorage.getItem("inbetween-token") } }).then(
+        (answer) => answer.status,
+      ),
+    ),
+    200,
+  );
   await silent[0].closed;
   for (const { socket } of silent) socket.destroy();
   assert.equal(editor.read(), text);
@@ -767,8 +851,14 @@ test("in high contrast and in the colours of the system every area is drawn in t
   const { page } = editor;
   const cdp = await page.context().newCDPSession(page);
   await editor.settled(); // #frames is there before the views are drawn for the first time
-  const first = await page.locator("#plan canvas").first().evaluate((canvas) => canvas.toDataURL());
-  for (const [name, value] of [["prefers-contrast", "more"], ["forced-colors", "active"]]) {
+  const first = await page
+    .locator("#plan canvas")
+    .first()
+    .evaluate((canvas) => canvas.toDataURL());
+  for (const [name, value] of [
+    ["prefers-contrast", "more"],
+    ["forced-colors", "active"],
+  ]) {
     await cdp.send("Emulation.setEmulatedMedia", { features: [{ name, value }] });
     await until(page, (old) => document.querySelector("#plan canvas").toDataURL() !== old, first);
     await editor.picture(name);
@@ -801,13 +891,18 @@ test("dragging a control value of a hundred keys keeps up with the screen", asyn
       window.took.stamp.push(now - stamp);
       window.took.solve.push(window.inbetween.store.solveMs);
     };
-    document.addEventListener("pointermove", (event) => {
-      arrived = performance.now();
-      stamp = event.timeStamp;
-      requestAnimationFrame(() => channel.port2.postMessage(0));
-    }, true);
+    document.addEventListener(
+      "pointermove",
+      (event) => {
+        arrived = performance.now();
+        stamp = event.timeStamp;
+        requestAnimationFrame(() => channel.port2.postMessage(0));
+      },
+      true,
+    );
     new MutationObserver((changes) => {
-      for (const { addedNodes } of changes) for (const node of addedNodes) window.took.made += Number(node.nodeType === Node.ELEMENT_NODE);
+      for (const { addedNodes } of changes)
+        for (const node of addedNodes) window.took.made += Number(node.nodeType === Node.ELEMENT_NODE);
     }).observe(document.body, { subtree: true, childList: true });
   });
   for (let i = 0; i < 80; ++i) {
@@ -816,9 +911,16 @@ test("dragging a control value of a hundred keys keeps up with the screen", asyn
   }
   const took = await page.evaluate(() => window.took);
   await page.mouse.up();
-  const at = (times) => [0.5, 0.95].map((share, i) =>
-    `${["p50", "p95"][i]} ${times.sort((a, b) => a - b)[Math.floor(share * (times.length - 1))].toFixed(1)} ms`).join(", ");
-  console.log(`# pointer to picture, from its arrival in the page: ${at(took.page)}; from its stamp: ${at(took.stamp)}; of it solving: ${at(took.solve)}`);
+  const at = (times) =>
+    [0.5, 0.95]
+      .map(
+        (share, i) =>
+          `${["p50", "p95"][i]} ${times.sort((a, b) => a - b)[Math.floor(share * (times.length - 1))].toFixed(1)} ms`,
+      )
+      .join(", ");
+  console.log(
+    `# pointer to picture, from its arrival in the page: ${at(took.page)}; from its stamp: ${at(took.stamp)}; of it solving: ${at(took.solve)}`,
+  );
   assert.ok(took.page.length > 50);
   assert.equal(took.made, 0, "a drag makes no elements");
   await editor.end();

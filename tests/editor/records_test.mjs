@@ -76,11 +76,17 @@ test("a field that one side alone has is refused by its name", async () => {
   const all = Array.from({ length: abi.ib_field_count() }, (_, i) => i);
   const nameOf = (field) => textAt(abi.memory, abi.ib_field_name(field));
   for (const field of all) {
-    const fewer = withFields(abi, all.filter((other) => other !== field));
+    const fewer = withFields(
+      abi,
+      all.filter((other) => other !== field),
+    );
     assert.throws(() => new Records(fewer), { message: new RegExp(`the solver has no ${nameOf(field)}\\.`) });
   }
   // The text behind the first letter of a name is a name that the page has not.
-  const more = { ...withFields(abi, [...all, 0]), ib_field_name: (i) => (i < all.length ? abi.ib_field_name(i) : abi.ib_field_name(0) + 1) };
+  const more = {
+    ...withFields(abi, [...all, 0]),
+    ib_field_name: (i) => (i < all.length ? abi.ib_field_name(i) : abi.ib_field_name(0) + 1),
+  };
   assert.throws(() => new Records(more), { message: new RegExp(`the page has no ${nameOf(0).slice(1)}\\.`) });
 });
 

@@ -36,7 +36,10 @@ function randomOf(seed) {
 function idOfText(text) {
   try {
     const { frames, track } = parse(text);
-    return JSON.stringify([frames, track.map(({ keys, speed }) => [keys.map((key) => [key.at, key.frame ?? null]), speed])]);
+    return JSON.stringify([
+      frames,
+      track.map(({ keys, speed }) => [keys.map((key) => [key.at, key.frame ?? null]), speed]),
+    ]);
   } catch {
     return null; // it is no move
   }
@@ -68,7 +71,8 @@ class Session {
     if (!this.tabs.includes(page)) this.tabs.push(page);
     this.most = Math.max(this.most, this.tabs.length);
     await page.waitForSelector("#frames, #said.error");
-    if (await page.locator("#frames").count() === 0) { // a page without anything to show, of a file that is no move
+    if ((await page.locator("#frames").count()) === 0) {
+      // a page without anything to show, of a file that is no move
       assert.equal(idOfText(this.fileText() ?? ""), null, await page.locator("#said").textContent());
       this.tabs.splice(this.tabs.indexOf(page), 1);
       await page.close();
@@ -76,12 +80,17 @@ class Session {
     }
     await page.evaluate(() => {
       const { store, bar } = window.inbetween;
-      for (const name of ["save", "loadTheirs"]) { // so that they can be waited for
+      for (const name of ["save", "loadTheirs"]) {
+        // so that they can be waited for
         const act = bar[name].bind(bar);
         bar[name] = (...words) => (bar.waitedFor = act(...words));
       }
       const ids = new WeakMap();
-      const words = (move) => JSON.stringify([move.frames, move.tracks.map((track) => [track.keys.map((key) => [key.at, key.frame]), track.speed])]);
+      const words = (move) =>
+        JSON.stringify([
+          move.frames,
+          move.tracks.map((track) => [track.keys.map((key) => [key.at, key.frame]), track.speed]),
+        ]);
       const identify = (move) => ids.get(move) ?? (ids.set(move, words(move)), ids.get(move));
       window.keeping = { store, bar, identify };
     });
@@ -114,7 +123,8 @@ class Session {
     return { ids, texts };
   }
   files() {
-    return readdirSync(this.editor.folder).filter((name) => /^reveal\.(.*\.)?toml(\.part)?$/.test(name))
+    return readdirSync(this.editor.folder)
+      .filter((name) => /^reveal\.(.*\.)?toml(\.part)?$/.test(name))
       .map((name) => readFileSync(join(this.editor.folder, name), "utf8"));
   }
   async check() {
@@ -139,22 +149,43 @@ class Session {
       return this.note(page, before, `edit ${n} typed with the keyboard`);
     }
     const before = await this.current(page);
-    await page.evaluate(([what, number]) => {
-      const { store } = window.keeping;
-      const { move } = store;
-      const [track] = move.tracks;
-      const withTrack = (change) => ({ ...move, tracks: [{ ...track, ...change }] });
-      const raised = (by) => track.speed.map((value, i) => (i === 4 ? Math.round((5 + by) * 1000) / 1000 : value));
-      if (what === "value") store.edit(withTrack({ speed: raised(number / 1000), touched: true }));
-      else if (what === "key") store.edit(withTrack({ keys: track.keys.map((key, k) => (k === 1 ? { ...key, at: [400 + number / 100, ...key.at.slice(1)] } : key)), moved: true }));
-      else if (what === "frames") store.edit({ ...move, frames: 150 + number });
-      else if (what === "unsolvable") store.edit(withTrack({ keys: track.keys.map((key, k) => ({ ...key, frame: k === 1 ? 100 + number : k === 2 ? 40 : null })), moved: true }));
-      else {
-        store.begin();
-        for (let i = 1; i < 4; ++i) store.edit({ ...store.move, tracks: [{ ...store.move.tracks[0], speed: raised(number / 1000 + i), touched: true }] });
-        store.end();
-      }
-    }, [kind, n]);
+    await page.evaluate(
+      ([what, number]) => {
+        const { store } = window.keeping;
+        const { move } = store;
+        const [track] = move.tracks;
+        const withTrack = (change) => ({ ...move, tracks: [{ ...track, ...change }] });
+        const raised = (by) => track.speed.map((value, i) => (i === 4 ? Math.round((5 + by) * 1000) / 1000 : value));
+        if (what === "value") store.edit(withTrack({ speed: raised(number / 1000), touched: true }));
+        else if (what === "key")
+          store.edit(
+            withTrack({
+              keys: track.keys.map((key, k) =>
+                k === 1 ? { ...key, at: [400 + number / 100, ...key.at.slice(1)] } : key,
+              ),
+              moved: true,
+            }),
+          );
+        else if (what === "frames") store.edit({ ...move, frames: 150 + number });
+        else if (what === "unsolvable")
+          store.edit(
+            withTrack({
+              keys: track.keys.map((key, k) => ({ ...key, frame: k === 1 ? 100 + number : k === 2 ? 40 : null })),
+              moved: true,
+            }),
+          );
+        else {
+          store.begin();
+          for (let i = 1; i < 4; ++i)
+            store.edit({
+              ...store.move,
+              tracks: [{ ...store.move.tracks[0], speed: raised(number / 1000 + i), touched: true }],
+            });
+          store.end();
+        }
+      },
+      [kind, n],
+    );
     await this.note(page, before, `edit ${n} (${kind}) typed`);
   }
   /** The state that is shown, and those that could be done again. */
@@ -234,7 +265,8 @@ class Session {
       return;
     }
     const first = `name = "reveal"\nfps = 24\nframes = ${300 + n}\n[[track]]\naxes = ["slide", "pan", "tilt"]\nspline = "smooth"\nkeys = [{ at = [0, 0, 0] }, { at = [${100 + n}, 10, 2] }, { at = [600, 20, 4] }, { at = [900, 30, 5] }]\nspeed = [0, 0, 3, 4, 5, 4, 3, 0, 0]\nweights = [1.0, 6.0, 6.0]\n`;
-    const text = kind === "broken" ? `frames = = ${n}\n` : kind === "comment" ? `# outside ${n}\n${there ?? first}` : first;
+    const text =
+      kind === "broken" ? `frames = = ${n}\n` : kind === "comment" ? `# outside ${n}\n${there ?? first}` : first;
     if (kind === "renamed") {
       writeFileSync(`${path}.new`, text);
       renameSync(`${path}.new`, path);
@@ -282,7 +314,7 @@ class Session {
     const states = () => page.evaluate(() => window.keeping.store.states.map(window.keeping.identify));
     const had = await states();
     await page.reload();
-    if (!await this.enter(page)) return assert.equal(had.length, 1, "what was edited is there without the file");
+    if (!(await this.enter(page))) return assert.equal(had.length, 1, "what was edited is there without the file");
     if (had.length > 1) assert.deepEqual((await states()).slice(0, had.length), had, "the history is the same");
     await this.answer(page);
   }
@@ -308,11 +340,22 @@ class Session {
 
   async step() {
     const what = this.pick([
-      ...Array(16).fill("edit"), ...Array(8).fill("save"), ...Array(4).fill("outside"), ...Array(3).fill("launch"), ...Array(3).fill("undo"),
-      ...Array(2).fill("redo"), ...Array(2).fill("watch"), ...Array(2).fill("kill"), ...Array(2).fill("fill"),
-      "reload", "open", "close", "typeAndLeave",
+      ...Array(16).fill("edit"),
+      ...Array(8).fill("save"),
+      ...Array(4).fill("outside"),
+      ...Array(3).fill("launch"),
+      ...Array(3).fill("undo"),
+      ...Array(2).fill("redo"),
+      ...Array(2).fill("watch"),
+      ...Array(2).fill("kill"),
+      ...Array(2).fill("fill"),
+      "reload",
+      "open",
+      "close",
+      "typeAndLeave",
     ]);
-    while (this.tabs.length === 0) { // the last had nothing to show, because the file is no move
+    while (this.tabs.length === 0) {
+      // the last had nothing to show, because the file is no move
       this.writeOutside("values");
       await this.forgetReplaced();
       await this.open();
@@ -349,15 +392,22 @@ class Session {
 const only = process.env.INBETWEEN_SESSION;
 test("nothing typed or saved is gone after 1000 random sequences", { concurrency: 2 }, async (t) => {
   const chosen = only === undefined ? Array.from({ length: sessions }, (_, i) => i + 1) : [Number(only)];
-  await Promise.all(chosen.map((seed) => t.test(`session ${seed}: ${sequencesEach} sequences`, async () => {
-    const session = new Session(seed, only === undefined ? () => {} : (line) => console.log(line));
-    await session.start();
-    for (let i = 0; i < sequencesEach; ++i) {
-      session.tell(`sequence ${i}`);
-      await session.sequence();
-    }
-    await session.closeAndOpenAll();
-    assert.deepEqual(session.editor.complaints.filter((complaint) => !complaint.startsWith("Failed to load resource")), []);
-    await session.editor.end();
-  })));
+  await Promise.all(
+    chosen.map((seed) =>
+      t.test(`session ${seed}: ${sequencesEach} sequences`, async () => {
+        const session = new Session(seed, only === undefined ? () => {} : (line) => console.log(line));
+        await session.start();
+        for (let i = 0; i < sequencesEach; ++i) {
+          session.tell(`sequence ${i}`);
+          await session.sequence();
+        }
+        await session.closeAndOpenAll();
+        assert.deepEqual(
+          session.editor.complaints.filter((complaint) => !complaint.startsWith("Failed to load resource")),
+          [],
+        );
+        await session.editor.end();
+      }),
+    ),
+  );
 });

@@ -7,7 +7,13 @@ import { type FileState, Refusal, type Server } from "./server";
 import type { Store } from "./store";
 
 export class Bar {
-  private readonly frames = html("input", { id: "frames", type: "number", min: 1, max: max_frames, "aria-label": "Frames" });
+  private readonly frames = html("input", {
+    id: "frames",
+    type: "number",
+    min: 1,
+    max: max_frames,
+    "aria-label": "Frames",
+  });
   private readonly fps = html("input", { id: "fps", "aria-label": "Frames per second", class: "short" });
   private readonly track = html("select", { id: "track", "aria-label": "Track" });
   private readonly verdict = html("output", { id: "verdict" });
@@ -23,16 +29,38 @@ export class Bar {
   private hasRoom = true;
 
   /** `known` is the revision of the file of which this page has the text; with `draft` goes what is edited. */
-  constructor(private readonly store: Store, private readonly server: Server | null, private known: string,
-    private readonly draft: Draft | null) {
+  constructor(
+    private readonly store: Store,
+    private readonly server: Server | null,
+    private known: string,
+    private readonly draft: Draft | null,
+  ) {
     this.undo = button("↶", "Undo (Ctrl+Z)", () => store.undo(), "undo");
     this.redo = button("↷", "Redo (Ctrl+Shift+Z)", () => store.redo(), "redo");
     const name = html("h1", {}, store.move.name);
-    const tools: Node[] = [name, this.track, html("label", {}, "Frames ", this.frames), html("label", {}, "fps ", this.fps),
-      this.undo, this.redo];
+    const tools: Node[] = [
+      name,
+      this.track,
+      html("label", {}, "Frames ", this.frames),
+      html("label", {}, "fps ", this.fps),
+      this.undo,
+      this.redo,
+    ];
     if (store.move.rig) {
-      tools.push(button("Fit", "Change the speed curve as little as can be, so that it keeps the limits", () => void this.ask("fit"), "fit"),
-        button("Fewest frames", "The fewest frames in which this curve keeps the limits", () => void this.ask("fewest"), "fewest"));
+      tools.push(
+        button(
+          "Fit",
+          "Change the speed curve as little as can be, so that it keeps the limits",
+          () => void this.ask("fit"),
+          "fit",
+        ),
+        button(
+          "Fewest frames",
+          "The fewest frames in which this curve keeps the limits",
+          () => void this.ask("fewest"),
+          "fewest",
+        ),
+      );
     }
     tools.push(this.verdict);
     if (server) {
@@ -41,8 +69,11 @@ export class Bar {
         localStorage.setItem("inbetween-autosave", this.auto.checked ? "yes" : "no");
         this.later();
       });
-      tools.push(html("label", { title: "Save a second after every change" }, this.auto, " Autosave"), this.saved,
-        button("Save", "Save (Ctrl+S)", () => this.saveTyped(), "save"));
+      tools.push(
+        html("label", { title: "Save a second after every change" }, this.auto, " Autosave"),
+        this.saved,
+        button("Save", "Save (Ctrl+S)", () => this.saveTyped(), "save"),
+      );
     } else {
       tools.push(button("Download", "Download the move as a file (Ctrl+S)", () => this.saveTyped(), "save"));
       for (const tool of tools) {
@@ -74,7 +105,9 @@ export class Bar {
       else store.edit({ ...store.move, fps });
       this.draw();
     });
-    this.track.addEventListener("change", () => store.select({ track: Number(this.track.value), keys: new Set(), values: new Set() }));
+    this.track.addEventListener("change", () =>
+      store.select({ track: Number(this.track.value), keys: new Set(), values: new Set() }),
+    );
     store.onChange(() => this.draw());
     store.onCommit = () => {
       this.keepDraft();
@@ -108,12 +141,22 @@ export class Bar {
   }
   tellRoom(hasRoom: boolean): void {
     this.hasRoom = hasRoom;
-    notice("room", hasRoom ? null : "This browser has no room left to keep what you edit: what is not saved is lost when this page is closed.",
+    notice(
+      "room",
+      hasRoom
+        ? null
+        : "This browser has no room left to keep what you edit: what is not saved is lost when this page is closed.",
       button("Download", "Download the move as a file", () => void this.download(), "download-room"),
-      button("Forget older steps", "Undo will end here; that makes room", () => {
-        this.store.restore([this.store.move], 0, this.store.isChanged ? null : this.store.move);
-        this.keepDraft();
-      }, "forget"));
+      button(
+        "Forget older steps",
+        "Undo will end here; that makes room",
+        () => {
+          this.store.restore([this.store.move], 0, this.store.isChanged ? null : this.store.move);
+          this.keepDraft();
+        },
+        "forget",
+      ),
+    );
   }
 
   draw(): void {
@@ -127,12 +170,14 @@ export class Bar {
     this.undo.disabled = !store.canUndo;
     this.redo.disabled = !store.canRedo;
     if (this.track.options.length !== move.tracks.length) {
-      this.track.replaceChildren(...move.tracks.map((track, t) => html("option", { value: t }, track.axes.join(" · "))));
+      this.track.replaceChildren(
+        ...move.tracks.map((track, t) => html("option", { value: t }, track.axes.join(" · "))),
+      );
     }
     if (this.track.value !== String(store.selection.track)) this.track.value = String(store.selection.track);
     this.track.hidden = move.tracks.length < 2;
     const { certificate } = store.solution;
-    let words = `${(move.frames * move.fps.denominator / move.fps.numerator).toFixed(2)} s`;
+    let words = `${((move.frames * move.fps.denominator) / move.fps.numerator).toFixed(2)} s`;
     let state = "";
     if (store.error) {
       const place = store.error.key >= 0 ? `key ${store.error.key}: ` : "";
@@ -140,7 +185,9 @@ export class Bar {
       state = "bad";
     } else if (certificate) {
       const stop = certificate.longestStop !== null ? `, stops in ${certificate.longestStop.toFixed(2)} s` : "";
-      words = certificate.fits ? `✓ within the limits, up to ${(certificate.highestRate * 100).toFixed(0)} %${stop}` : `✗ ${certificate.reason}`;
+      words = certificate.fits
+        ? `✓ within the limits, up to ${(certificate.highestRate * 100).toFixed(0)} %${stop}`
+        : `✗ ${certificate.reason}`;
       state = certificate.fits ? "good" : "bad";
     }
     if (this.verdict.textContent !== words) this.verdict.textContent = words;
@@ -178,7 +225,11 @@ export class Bar {
       const { path, speed, keys } = answer.tracks[t];
       // A key of a network may be where its curve is.
       const follows = track.network !== null && !track.moved;
-      return withTrack(result, t, { path, speed: track.touched ? track.speed : speed, keys: follows ? keys : track.keys });
+      return withTrack(result, t, {
+        path,
+        speed: track.touched ? track.speed : speed,
+        keys: follows ? keys : track.keys,
+      });
     }, move);
   }
 
@@ -247,7 +298,11 @@ export class Bar {
     const refusal = error instanceof Refusal ? error : null;
     if (refusal?.status === 409) return this.offer(refusal.revision ?? (await this.server!.revision()).revision);
     if (refusal?.status === 0) return this.tellAway("The program has ended");
-    notice("save", `Not saved: ${error.message}. Your edits stay here${this.hasRoom ? ", also when this page is closed" : ""}.`, this.downloadButton("download-save"));
+    notice(
+      "save",
+      `Not saved: ${error.message}. Your edits stay here${this.hasRoom ? ", also when this page is closed" : ""}.`,
+      this.downloadButton("download-save"),
+    );
   }
 
   private downloadButton(id: string): HTMLButtonElement {
@@ -270,7 +325,8 @@ export class Bar {
       await this.seeRig(file);
     } catch (error) {
       if (error instanceof Refusal && error.status === 0) this.tellAway("The program has ended");
-      else if (error instanceof Refusal && error.status === 403) this.tellAway("Another program has the address of this page now");
+      else if (error instanceof Refusal && error.status === 403)
+        this.tellAway("Another program has the address of this page now");
       return; // what else is wrong with the file, saving will tell
     }
     if (document.getElementById("notice-away")) {
@@ -282,12 +338,14 @@ export class Bar {
   }
   /** New limits are seen as a new move is: every step of undo gets them. */
   private async seeRig({ rig, rig_error }: FileState): Promise<void> {
-    const tell = (error: string | null): void => notice("rig", error && `The rig cannot be taken as its file is now: ${error}. The limits are those of before.`);
+    const tell = (error: string | null): void =>
+      notice("rig", error && `The rig cannot be taken as its file is now: ${error}. The limits are those of before.`);
     tell(rig_error);
     if (rig === (this.store.move.rig?.revision ?? null) || this.store.isDragging) return;
     const now = new Map<string, Move>();
     try {
-      for (const { revision, text } of this.store.states) if (!now.has(revision)) now.set(revision, await this.server!.document(text));
+      for (const { revision, text } of this.store.states)
+        if (!now.has(revision)) now.set(revision, await this.server!.document(text));
     } catch (error) {
       return tell((error as Error).message);
     }
@@ -300,8 +358,11 @@ export class Bar {
     say("The limits are those that the rig's file has now.");
   }
   private tellAway(what: string): void {
-    notice("away", `${what}. ${this.hasRoom ? "You can go on: this browser keeps your edits, and this page saves them when" : "Download your edits, or leave this page open until"} inbetween edit is started again for ${this.store.move.file}.`,
-      this.downloadButton("download-away"));
+    notice(
+      "away",
+      `${what}. ${this.hasRoom ? "You can go on: this browser keeps your edits, and this page saves them when" : "Download your edits, or leave this page open until"} inbetween edit is started again for ${this.store.move.file}.`,
+      this.downloadButton("download-away"),
+    );
   }
 
   /** Somebody else has changed the file: nothing is lost, whatever is chosen. */
@@ -316,15 +377,38 @@ export class Bar {
     };
     const { file } = this.store.move;
     const isGone = there === "gone";
-    const save = (label: string, title: string): HTMLButtonElement => button(label, title, close(() => this.save(there)), "save-mine");
+    const save = (label: string, title: string): HTMLButtonElement =>
+      button(
+        label,
+        title,
+        close(() => this.save(there)),
+        "save-mine",
+      );
     dialog.replaceChildren(
       html("h2", {}, isGone ? `${file} is gone` : `${file} has been changed outside the editor`),
       html("p", {}, isGone ? "Somebody has moved or deleted it." : "Both versions are kept, whichever you go on with."),
-      html("div", { class: "tools" },
-        ...(isGone ? [save("Save it anew", "Write what is in the editor into a new file of this name")] : [
-          button("Load the file", "Load the file; what is in the editor is kept as a copy, and Undo goes back to it", close(() => this.loadTheirs()), "load-theirs"),
-          save("Save mine", "Save what is in the editor; the file is kept as a copy")]),
-        button("Later", "Decide later", close(async () => {}), "decide-later")));
+      html(
+        "div",
+        { class: "tools" },
+        ...(isGone
+          ? [save("Save it anew", "Write what is in the editor into a new file of this name")]
+          : [
+              button(
+                "Load the file",
+                "Load the file; what is in the editor is kept as a copy, and Undo goes back to it",
+                close(() => this.loadTheirs()),
+                "load-theirs",
+              ),
+              save("Save mine", "Save what is in the editor; the file is kept as a copy"),
+            ]),
+        button(
+          "Later",
+          "Decide later",
+          close(async () => {}),
+          "decide-later",
+        ),
+      ),
+    );
     dialog.showModal();
   }
 
@@ -339,7 +423,11 @@ export class Bar {
       await this.load(theirs);
       say(kept ? `Loaded. Your version is in ${kept}.` : "Loaded");
     } catch (error) {
-      notice("save", `Not loaded: ${(error as Error).message}. Your edits stay here.`, this.downloadButton("download-save"));
+      notice(
+        "save",
+        `Not loaded: ${(error as Error).message}. Your edits stay here.`,
+        this.downloadButton("download-save"),
+      );
     }
     this.draw();
   }

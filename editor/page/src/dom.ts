@@ -12,7 +12,9 @@ function set(element: Element, attributes: Attributes): void {
 }
 
 export function html<K extends keyof HTMLElementTagNameMap>(
-  tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
+  tag: K,
+  attributes: Attributes = {},
+  ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
   set(element, attributes);
@@ -21,7 +23,9 @@ export function html<K extends keyof HTMLElementTagNameMap>(
 }
 
 export function svg<K extends keyof SVGElementTagNameMap>(
-  tag: K, attributes: Attributes = {}, ...children: (Node | string)[]
+  tag: K,
+  attributes: Attributes = {},
+  ...children: (Node | string)[]
 ): SVGElementTagNameMap[K] {
   const element = document.createElementNS(svgNamespace, tag);
   set(element, attributes);
@@ -85,7 +89,11 @@ export function whenTyped(input: HTMLInputElement, change: () => void, draw: () 
 }
 
 /** Follows a pointer from its press until it is let go. */
-export function follow(event: PointerEvent, move: (event: PointerEvent) => void, end: (cancelled: boolean) => void): void {
+export function follow(
+  event: PointerEvent,
+  move: (event: PointerEvent) => void,
+  end: (cancelled: boolean) => void,
+): void {
   const target = event.currentTarget as Element;
   target.setPointerCapture(event.pointerId);
   const moved = (e: Event): void => move(e as PointerEvent);
@@ -108,6 +116,7 @@ export function ticks(low: number, high: number, about: number): number[] {
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = power * ([1, 2, 5].find((f) => f * power >= raw) ?? 10);
   const result: number[] = [];
-  for (let i = Math.ceil(low / step); i * step <= high + 1e-9 * span; ++i) result.push(Number((i * step).toPrecision(12)));
+  for (let i = Math.ceil(low / step); i * step <= high + 1e-9 * span; ++i)
+    result.push(Number((i * step).toPrecision(12)));
   return result;
 }

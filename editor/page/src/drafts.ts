@@ -56,10 +56,11 @@ function splice<T>(old: readonly T[], now: readonly T[]): Splice<T> | null {
   while (end < shorter - at && Object.is(old[old.length - 1 - end], now[now.length - 1 - end])) ++end;
   return { at, out: old.length - at - end, put: now.slice(at, now.length - end) };
 }
-const spliced = <T>(old: readonly T[], by: Splice<T> | null): readonly T[] => (by === null ? old : [...old.slice(0, by.at), ...by.put, ...old.slice(by.at + by.out)]);
+const spliced = <T>(old: readonly T[], by: Splice<T> | null): readonly T[] =>
+  by === null ? old : [...old.slice(0, by.at), ...by.put, ...old.slice(by.at + by.out)];
 
 // A curve that nobody has edited is the program's, which may compute it.
-const drawnSpeed = (track: Track): readonly number[] => (track.touched ? track.speed ?? [] : []);
+const drawnSpeed = (track: Track): readonly number[] => (track.touched ? (track.speed ?? []) : []);
 
 function stepOf(before: Move | undefined, move: Move): Step {
   const tracks = move.tracks.map((track, t): TrackStep => {
@@ -67,7 +68,10 @@ function stepOf(before: Move | undefined, move: Move): Step {
     return {
       keys: track.moved ? splice(old?.keys ?? [], track.keys) : null,
       speed: track.touched ? splice(old ? drawnSpeed(old) : [], drawnSpeed(track)) : null,
-      spline: track.spline, closed: track.closed, moved: track.moved ?? false, touched: track.touched ?? false,
+      spline: track.spline,
+      closed: track.closed,
+      moved: track.moved ?? false,
+      touched: track.touched ?? false,
     };
   });
   return { base: move.revision, frames: move.frames, fps: move.fps.text, tracks };
@@ -78,7 +82,11 @@ function stateOf(step: Step, before: Move | undefined, base: Move): Move {
   const tracks = base.tracks.map((track, t): Track => {
     const { keys, speed, spline, closed, moved, touched } = step.tracks[t];
     return {
-      ...track, spline, closed, moved, touched,
+      ...track,
+      spline,
+      closed,
+      moved,
+      touched,
       keys: moved ? spliced(old?.tracks[t].keys ?? [], keys) : track.keys,
       speed: touched ? spliced(old ? drawnSpeed(old.tracks[t]) : [], speed) : track.speed,
     };
@@ -94,8 +102,12 @@ export class Draft {
   private written: readonly Move[] = [];
   private readonly missing = new Set<string>(); // revisions of texts for which there was no room
 
-  private constructor(private readonly file: string, readonly tab: string, readonly head: Head | null,
-    readonly others: number) {}
+  private constructor(
+    private readonly file: string,
+    readonly tab: string,
+    readonly head: Head | null,
+    readonly others: number,
+  ) {}
 
   /** The draft of this tab, or the latest that no open tab has, or a new one. No other tab gets it while this one is open. */
   static async take(file: string): Promise<Draft> {
@@ -103,7 +115,7 @@ export class Draft {
     const there = Draft.heads(file);
     // A tab that has been duplicated has the name of the other; one that is loaded again waits until it has ended.
     const ownHead = own === null ? undefined : there.get(own);
-    if (own !== null && ownHead && await held(file, own, 2000)) return Draft.taken(file, own, ownHead, there);
+    if (own !== null && ownHead && (await held(file, own, 2000))) return Draft.taken(file, own, ownHead, there);
     const latest = [...there].sort(([, a], [, b]) => b.time - a.time);
     for (const [tab, head] of latest) if (await held(file, tab, 0)) return Draft.taken(file, tab, head, there);
     return Draft.fresh(file);
@@ -117,8 +129,10 @@ export class Draft {
   private static async taken(file: string, tab: string, head: Head | null, there: Map<string, Head>): Promise<Draft> {
     sessionStorage.setItem("inbetween-tab", tab);
     const locks = (await navigator.locks.query()).held ?? [];
-    const others = [...there].filter(([other, { saved, at }]) =>
-      other !== tab && saved !== at && !locks.some((lock) => lock.name === lockOf(file, other)));
+    const others = [...there].filter(
+      ([other, { saved, at }]) =>
+        other !== tab && saved !== at && !locks.some((lock) => lock.name === lockOf(file, other)),
+    );
     return new Draft(file, tab, head, others.length);
   }
   private static heads(file: string): Map<string, Head> {
@@ -150,7 +164,13 @@ export class Draft {
       states.push(stateOf(step, states.at(-1), bases.get(step.base)!));
     }
     this.written = states;
-    return { base: bases.get(states[head.at].revision)!, states, at: head.at, saved: states[head.saved] ?? null, known: head.known };
+    return {
+      base: bases.get(states[head.at].revision)!,
+      states,
+      at: head.at,
+      saved: states[head.saved] ?? null,
+      known: head.known,
+    };
   }
 
   /** Keeps the text that states of the move start from; `name` then writes the first of them, so that a draft names it.
@@ -164,7 +184,9 @@ export class Draft {
         const [, , file, base] = new URL(request.url).pathname.split("/");
         if (file === this.file && !named.has(base)) await cache.delete(request);
       }
-      await cache.put(this.baseName(move.revision), new Response(move.text)).catch(() => this.missing.add(move.revision));
+      await cache
+        .put(this.baseName(move.revision), new Response(move.text))
+        .catch(() => this.missing.add(move.revision));
       name();
     });
   }
@@ -188,7 +210,14 @@ export class Draft {
   }
 
   private headOf(states: readonly Move[], at: number, saved: number, known: string): Head {
-    return { count: states.length, at, saved, known, time: Date.now(), bases: [...new Set(states.map((state) => state.revision))] };
+    return {
+      count: states.length,
+      at,
+      saved,
+      known,
+      time: Date.now(),
+      bases: [...new Set(states.map((state) => state.revision))],
+    };
   }
   private put(part: string, value: object): void {
     localStorage.setItem(this.name(part), JSON.stringify(value));
@@ -207,9 +236,11 @@ const lockOf = (file: string, tab: string): string => `inbetween ${file} ${tab}`
 function held(file: string, tab: string, patienceMs: number): Promise<boolean> {
   return new Promise((resolve) => {
     const options = patienceMs > 0 ? { signal: AbortSignal.timeout(patienceMs) } : { ifAvailable: true };
-    navigator.locks.request(lockOf(file, tab), options, (lock) => {
-      resolve(lock !== null);
-      return lock === null ? undefined : new Promise<void>(() => {});
-    }).catch(() => resolve(false));
+    navigator.locks
+      .request(lockOf(file, tab), options, (lock) => {
+        resolve(lock !== null);
+        return lock === null ? undefined : new Promise<void>(() => {});
+      })
+      .catch(() => resolve(false));
   });
 }

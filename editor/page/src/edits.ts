@@ -1,19 +1,46 @@
 // Edits of keys and control values that several parts of the page offer.
 import { say } from "./dom";
-import { type Key, max_control_value, type Move, plainKey, roundTo, stepFor, withKeys, withSpeed, fixedSpeed } from "./move";
+import {
+  type Key,
+  max_control_value,
+  type Move,
+  plainKey,
+  roundTo,
+  stepFor,
+  withKeys,
+  withSpeed,
+  fixedSpeed,
+} from "./move";
 import type { Store } from "./store";
 
-export function moveKeys(move: Move, track: number, keys: readonly number[], by: readonly number[], steps: readonly number[]): Move {
+export function moveKeys(
+  move: Move,
+  track: number,
+  keys: readonly number[],
+  by: readonly number[],
+  steps: readonly number[],
+): Move {
   const chosen = new Set(keys);
-  return withKeys(move, track, move.tracks[track].keys.map((key, k) =>
-    chosen.has(k) ? { ...key, at: key.at.map((x, a) => (by[a] === 0 ? x : roundTo(x + by[a], steps[a]))) } : key));
+  return withKeys(
+    move,
+    track,
+    move.tracks[track].keys.map((key, k) =>
+      chosen.has(k) ? { ...key, at: key.at.map((x, a) => (by[a] === 0 ? x : roundTo(x + by[a], steps[a]))) } : key,
+    ),
+  );
 }
 
 export function changeKeys(store: Store, keys: ReadonlySet<number>, change: (key: Key, k: number) => Key): void {
   const { track } = store.selection;
   const why = store.move.tracks[track].fixed_keys;
   if (why) return say(`Keys of this track: ${why}.`);
-  store.edit(withKeys(store.move, track, store.move.tracks[track].keys.map((key, k) => (keys.has(k) ? change(key, k) : key))));
+  store.edit(
+    withKeys(
+      store.move,
+      track,
+      store.move.tracks[track].keys.map((key, k) => (keys.has(k) ? change(key, k) : key)),
+    ),
+  );
 }
 
 export function removeKeys(store: Store): void {
@@ -23,7 +50,13 @@ export function removeKeys(store: Store): void {
   if (keys.size === 0) return;
   if (keys.size >= one.keys.length) return say("A path needs a key.");
   const first = Math.min(...keys);
-  store.edit(withKeys(store.move, track, one.keys.filter((_, k) => !keys.has(k))));
+  store.edit(
+    withKeys(
+      store.move,
+      track,
+      one.keys.filter((_, k) => !keys.has(k)),
+    ),
+  );
   store.selectKey(Math.max(0, first - 1));
   say(keys.size === 1 ? `Key ${first} deleted` : `${keys.size} keys deleted`);
 }

@@ -14,18 +14,40 @@ export interface Sample {
 export class Hand {
   readonly tools: HTMLElement;
   private readonly button: HTMLButtonElement;
-  private readonly tolerance = html("input", { id: "tolerance", type: "number", min: 0.5, max: 50, step: 0.5, value: 2, class: "short",
-    "aria-label": "Pixels by which the path may be off" });
+  private readonly tolerance = html("input", {
+    id: "tolerance",
+    type: "number",
+    min: 0.5,
+    max: 50,
+    step: 0.5,
+    value: 2,
+    class: "short",
+    "aria-label": "Pixels by which the path may be off",
+  });
   private samples: Sample[] = [];
   isOn = false;
   onSwitch: () => void = () => {};
 
-  constructor(private readonly store: Store, private readonly server: Server | null) {
-    this.button = button("Draw", "Draw a motion with the pointer: press, draw, release (D)", () => this.toggle(), "draw");
+  constructor(
+    private readonly store: Store,
+    private readonly server: Server | null,
+  ) {
+    this.button = button(
+      "Draw",
+      "Draw a motion with the pointer: press, draw, release (D)",
+      () => this.toggle(),
+      "draw",
+    );
     this.button.setAttribute("aria-pressed", "false");
     this.button.disabled = server === null;
     if (!server) this.button.title = "Drawing needs the program: start inbetween edit";
-    const within = html("label", { title: "How far the path may be from where you drew" }, "within ", this.tolerance, " px");
+    const within = html(
+      "label",
+      { title: "How far the path may be from where you drew" },
+      "within ",
+      this.tolerance,
+      " px",
+    );
     within.hidden = true;
     this.tools = html("span", { class: "hand" }, this.button, within);
     this.onSwitch = () => (within.hidden = !this.isOn);
@@ -35,14 +57,20 @@ export class Hand {
     if (!this.server) return say("Drawing needs the program: start inbetween edit.");
     const { track } = this.store.selection;
     const one = this.store.move.tracks[track];
-    const why = one.network ? null : one.fixed_keys ?? (one.closed ? "the path is closed; open it first" : one.timing === "frames" ? "the keys have frames" : null);
+    const why = one.network
+      ? null
+      : (one.fixed_keys ??
+        (one.closed ? "the path is closed; open it first" : one.timing === "frames" ? "the keys have frames" : null));
     if (!this.isOn && why) return say(`A motion cannot be drawn here: ${why}.`);
     this.isOn = !this.isOn;
     this.button.setAttribute("aria-pressed", String(this.isOn));
     this.onSwitch();
     if (this.isOn) {
-      say(one.network ? "Press in the row of an axis, draw up and down at the pace it shall have, and release."
-        : "Press in the path, draw the motion at the pace it shall have, and release.");
+      say(
+        one.network
+          ? "Press in the row of an axis, draw up and down at the pace it shall have, and release."
+          : "Press in the path, draw the motion at the pace it shall have, and release.",
+      );
     }
   }
 
@@ -74,8 +102,11 @@ export class Hand {
   }
 
   /** `toAxes` gives the two axes that a view shows at a place of the page, `perPixel` their units. */
-  async release(shown: readonly [number, number], toAxes: (x: number, y: number) => readonly [number, number],
-      perPixel: readonly [number, number]): Promise<void> {
+  async release(
+    shown: readonly [number, number],
+    toAxes: (x: number, y: number) => readonly [number, number],
+    perPixel: readonly [number, number],
+  ): Promise<void> {
     const { store } = this;
     const { samples } = this;
     this.samples = [];
@@ -85,7 +116,9 @@ export class Hand {
     const track = asked.tracks[index];
     const pixels = Number(this.tolerance.value);
     if (!(pixels >= 0.5 && pixels <= 50)) return say("The path may be off by 0.5 to 50 pixels.", true);
-    const tolerances = track.axes.map((_, a) => (a === shown[0] ? perPixel[0] * pixels : a === shown[1] ? perPixel[1] * pixels : null));
+    const tolerances = track.axes.map((_, a) =>
+      a === shown[0] ? perPixel[0] * pixels : a === shown[1] ? perPixel[1] * pixels : null,
+    );
     const others = this.others(index, samples);
     const positions = samples.flatMap(({ x, y }, i) => {
       const [across, up] = toAxes(x, y);
@@ -94,17 +127,26 @@ export class Hand {
     this.button.setAttribute("aria-busy", "true");
     try {
       const fit = await this.server.draw({
-        times: samples.map(({ time }) => (time - samples[0].time) / 1000), positions, tolerances,
-        weights: track.weights.length > 0 ? track.weights : track.axes.map(() => 1), frames_per_second: perSecond(asked.fps),
+        times: samples.map(({ time }) => (time - samples[0].time) / 1000),
+        positions,
+        tolerances,
+        weights: track.weights.length > 0 ? track.weights : track.axes.map(() => 1),
+        frames_per_second: perSecond(asked.fps),
       });
       if (store.move !== asked) return say("The move has been changed meanwhile; draw again.");
-      const keys = fit.keys.map((at) => plainKey(at.map((x, a) => roundTo(x, stepFor((tolerances[a] ?? Math.abs(x) / 50) * 50) / 10))));
+      const keys = fit.keys.map((at) =>
+        plainKey(at.map((x, a) => roundTo(x, stepFor((tolerances[a] ?? Math.abs(x) / 50) * 50) / 10))),
+      );
       const alone = asked.tracks.length === 1;
       const drawn = withTrack(withSpeed(withKeys(asked, index, keys), index, fit.speed), index, { spline: "smooth" });
       store.edit(alone ? { ...drawn, frames: fit.frames } : drawn);
       store.select({ keys: new Set(), values: new Set() });
-      const time = alone ? `${fit.frames} frames` : `its ${fit.frames} frames spread over the ${asked.frames} of the move`;
-      say(`Drawn: ${keys.length} keys within ${(fit.deviation * pixels).toFixed(1)} of ${pixels} px, ${fit.speed.length} control values, ${time}.`);
+      const time = alone
+        ? `${fit.frames} frames`
+        : `its ${fit.frames} frames spread over the ${asked.frames} of the move`;
+      say(
+        `Drawn: ${keys.length} keys within ${(fit.deviation * pixels).toFixed(1)} of ${pixels} px, ${fit.speed.length} control values, ${time}.`,
+      );
       this.toggle();
     } catch (error) {
       say((error as Error).message, true);

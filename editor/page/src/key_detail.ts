@@ -9,13 +9,29 @@ const shapes = ["tension", "continuity", "bias"] as const;
 
 export class KeyDetail {
   readonly element = html("div", { class: "detail" });
-  private readonly spline = html("select", { "aria-label": "Path", id: "spline" },
-    ...["smooth", "catmull-rom", "tcb", "linear"].map((word) => html("option", { value: word }, word)));
+  private readonly spline = html(
+    "select",
+    { "aria-label": "Path", id: "spline" },
+    ...["smooth", "catmull-rom", "tcb", "linear"].map((word) => html("option", { value: word }, word)),
+  );
   private readonly closed = html("input", { type: "checkbox", id: "closed" });
   private readonly ease = this.flag("ease");
   private readonly break = this.flag("break");
-  private readonly hold = html("input", { type: "number", min: 0, "aria-label": "Frames of rest at the key", class: "short", id: "key-hold" });
-  private readonly corner = html("input", { type: "number", min: 0, step: "any", "aria-label": "How much the corner is rounded", class: "short", id: "key-corner" });
+  private readonly hold = html("input", {
+    type: "number",
+    min: 0,
+    "aria-label": "Frames of rest at the key",
+    class: "short",
+    id: "key-hold",
+  });
+  private readonly corner = html("input", {
+    type: "number",
+    min: 0,
+    step: "any",
+    "aria-label": "How much the corner is rounded",
+    class: "short",
+    id: "key-corner",
+  });
   private readonly cornerName = html("span");
   private readonly cornerUnit = html("span");
   private readonly rounding = html("label", {}, this.cornerName, " ", this.corner, " ", this.cornerUnit);
@@ -28,16 +44,31 @@ export class KeyDetail {
       html("label", { title: "The speed touches 0 at the key" }, this.ease, " Ease"),
       html("label", { title: "The speed may jump at the key, which needs a frame" }, this.break, " Break"),
     ];
-    this.element.append(html("label", {}, "Path ", this.spline), html("label", {}, this.closed, " Closed"),
-      ...this.ofKey, this.holding, this.rounding, ...this.sliders.map(({ row }) => row));
+    this.element.append(
+      html("label", {}, "Path ", this.spline),
+      html("label", {}, this.closed, " Closed"),
+      ...this.ofKey,
+      this.holding,
+      this.rounding,
+      ...this.sliders.map(({ row }) => row),
+    );
     this.spline.addEventListener("change", () => this.changeSpline(this.spline.value as Spline));
     this.closed.addEventListener("change", () =>
-      store.edit(withTrack(store.move, store.selection.track, { closed: this.closed.checked })));
+      store.edit(withTrack(store.move, store.selection.track, { closed: this.closed.checked })),
+    );
     const draw = (): void => this.draw();
-    whenTyped(this.hold, () => {
-      const value = Math.round(Number(this.hold.value));
-      changeKeys(store, store.selection.keys, (one) => ({ ...one, hold: value > 0 ? value : null, ease: value > 0 ? false : one.ease }));
-    }, draw);
+    whenTyped(
+      this.hold,
+      () => {
+        const value = Math.round(Number(this.hold.value));
+        changeKeys(store, store.selection.keys, (one) => ({
+          ...one,
+          hold: value > 0 ? value : null,
+          ease: value > 0 ? false : one.ease,
+        }));
+      },
+      draw,
+    );
     whenTyped(this.corner, () => this.changeCorner(), draw);
   }
 
@@ -68,7 +99,8 @@ export class KeyDetail {
       const isOverlap = field === "overlap";
       this.cornerName.textContent = isOverlap ? "Overlap" : "Round";
       this.cornerUnit.textContent = isOverlap ? "frames" : track.unit;
-      this.rounding.title = isOverlap ? "The actions before and behind the key overlap for so many frames"
+      this.rounding.title = isOverlap
+        ? "The actions before and behind the key overlap for so many frames"
         : "The path passes the key no further away than this";
       this.corner.placeholder = String(track[field] ?? 0);
       if (!this.corner.dataset.typing) this.corner.value = key[field] === null ? "" : String(key[field]);
@@ -100,13 +132,20 @@ export class KeyDetail {
     if (!isShaped && !isRounded) return store.edit(changed);
     const noShape = isShaped ? { tension: 0, continuity: 0, bias: 0 } : {};
     const noCorner = isRounded ? { overlap: null, round: null } : {};
-    store.edit(withKeys(changed, index, track.keys.map((key) => ({ ...key, ...noShape, ...noCorner }))));
+    store.edit(
+      withKeys(
+        changed,
+        index,
+        track.keys.map((key) => ({ ...key, ...noShape, ...noCorner })),
+      ),
+    );
   }
 
   private flag(name: "ease" | "break"): HTMLInputElement {
     const box = html("input", { type: "checkbox", id: `key-${name}` });
     box.addEventListener("change", () =>
-      changeKeys(this.store, this.store.selection.keys, (one: Key) => ({ ...one, [name]: box.checked })));
+      changeKeys(this.store, this.store.selection.keys, (one: Key) => ({ ...one, [name]: box.checked })),
+    );
     return box;
   }
 
@@ -115,9 +154,15 @@ export class KeyDetail {
     const shown = html("output");
     slider.addEventListener("pointerdown", () => this.store.begin());
     slider.addEventListener("input", () =>
-      changeKeys(this.store, this.store.selection.keys, (one) => ({ ...one, [name]: Number(slider.value) })));
+      changeKeys(this.store, this.store.selection.keys, (one) => ({ ...one, [name]: Number(slider.value) })),
+    );
     // A press that changes nothing has no "change", and would leave the step of undo open.
     for (const end of ["change", "pointerup", "pointercancel"]) slider.addEventListener(end, () => this.store.end());
-    return { name, slider, shown, row: html("label", { class: "wide" }, html("span", {}, name[0].toUpperCase() + name.slice(1)), slider, shown) };
+    return {
+      name,
+      slider,
+      shown,
+      row: html("label", { class: "wide" }, html("span", {}, name[0].toUpperCase() + name.slice(1)), slider, shown),
+    };
   }
 }

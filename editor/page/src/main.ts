@@ -17,7 +17,10 @@ import { Store } from "./store";
 import { TimeBar } from "./time_bar";
 
 /** Buttons of which one is chosen; the panels of the others are hidden. */
-function tabs(label: string, panels: { name: string; id: string; panel: HTMLElement; show: () => void }[]): HTMLElement {
+function tabs(
+  label: string,
+  panels: { name: string; id: string; panel: HTMLElement; show: () => void }[],
+): HTMLElement {
   const row = html("div", { class: "tabs", role: "tablist", "aria-label": label });
   const buttons = panels.map(({ name, id, panel, show }) => {
     const one = html("button", { type: "button", role: "tab", id: `tab-${id}` }, name);
@@ -90,12 +93,23 @@ function pathSection(store: Store, hand: Hand): void {
     up.value = String(planView.vertical);
     planView.draw();
   };
-  head.append(tabs("View of the path", [
-    { name: "Plan", id: "plan", panel: plan, show: show(1) },
-    { name: "Elevation", id: "elevation", panel: plan, show: show(2) },
-    { name: "3-D", id: "space", panel: space, show: () => void spaceView.show().catch((error) => say(String(error), true)) },
-    { name: "Row", id: "row", panel: row, show: () => rowView.draw() },
-  ]), html("span", { class: "spring" }), hand.tools, html("label", {}, "across ", across), html("label", {}, "up ", up));
+  head.append(
+    tabs("View of the path", [
+      { name: "Plan", id: "plan", panel: plan, show: show(1) },
+      { name: "Elevation", id: "elevation", panel: plan, show: show(2) },
+      {
+        name: "3-D",
+        id: "space",
+        panel: space,
+        show: () => void spaceView.show().catch((error) => say(String(error), true)),
+      },
+      { name: "Row", id: "row", panel: row, show: () => rowView.draw() },
+    ]),
+    html("span", { class: "spring" }),
+    hand.tools,
+    html("label", {}, "across ", across),
+    html("label", {}, "up ", up),
+  );
   byId("tab-row").hidden = true;
   store.onChange(() => showRowTab(store));
   queueMicrotask(() => showRowTab(store));
@@ -106,10 +120,12 @@ function sideSection(store: Store): void {
   const graphs = new AxisGraphs(store);
   const head = html("div", { class: "head" });
   byId("side").append(head, keys.element, graphs.element);
-  head.append(tabs("Keys and axes", [
-    { name: "Keys", id: "keys", panel: keys.element, show: () => keys.draw() },
-    { name: "Axes over time", id: "axes", panel: graphs.element, show: () => graphs.draw() },
-  ]));
+  head.append(
+    tabs("Keys and axes", [
+      { name: "Keys", id: "keys", panel: keys.element, show: () => keys.draw() },
+      { name: "Axes over time", id: "axes", panel: graphs.element, show: () => graphs.draw() },
+    ]),
+  );
 }
 
 function speedSection(store: Store): void {
@@ -121,17 +137,29 @@ function speedSection(store: Store): void {
     store.edit(setValues(store.move, track, (value, i) => (values.has(i) ? value + by : value)));
   };
   byId("speed").append(
-    html("div", { class: "head" }, html("h2", {}, "Speed curve"), overText,
-      html("small", { class: "hint" }, "drag a square up for faster, down for slower"), html("span", { class: "spring" }),
-      button("Insert", "Insert a control value behind the selected one (I; or double-click the curve)", () => {
-        const { values } = store.selection;
-        if (values.size === 0) return say("Select a control value first.");
-        insertValue(store, Math.max(...values) + 1);
-      }, "insert-value"),
+    html(
+      "div",
+      { class: "head" },
+      html("h2", {}, "Speed curve"),
+      overText,
+      html("small", { class: "hint" }, "drag a square up for faster, down for slower"),
+      html("span", { class: "spring" }),
+      button(
+        "Insert",
+        "Insert a control value behind the selected one (I; or double-click the curve)",
+        () => {
+          const { values } = store.selection;
+          if (values.size === 0) return say("Select a control value first.");
+          insertValue(store, Math.max(...values) + 1);
+        },
+        "insert-value",
+      ),
       button("Delete", "Delete the selected control values (Delete)", () => removeValues(store), "delete-value"),
       button("Lower", "Lower the selected control values (Down)", many(-1), "lower"),
-      button("Raise", "Raise the selected control values (Up)", many(1), "raise")),
-    place);
+      button("Raise", "Raise the selected control values (Up)", many(1), "raise"),
+    ),
+    place,
+  );
   new SpeedView(store, place, overText);
 }
 
@@ -139,44 +167,48 @@ let listening: AbortController | null = null; // of the move that is shown
 function shortcuts(store: Store, bar: Bar, preview: Preview, hand: Hand): void {
   listening?.abort();
   listening = new AbortController();
-  document.addEventListener("keydown", (event) => {
-    const target = event.target as HTMLElement;
-    const control = event.ctrlKey || event.metaKey;
-    if (control && event.key.toLowerCase() === "z") {
-      if (event.shiftKey) store.redo();
-      else store.undo();
-    } else if (control && event.key.toLowerCase() === "y") {
-      store.redo();
-    } else if (control && event.key.toLowerCase() === "s") {
-      bar.saveTyped();
-    } else if (control && event.key.toLowerCase() === "d") {
-      copyKeys(store);
-    } else if (control || event.altKey || target.closest("input, select, textarea, dialog")) {
-      return;
-    } else if (event.key === " " && !target.closest("button")) {
-      preview.play(1);
-    } else if (event.key.toLowerCase() === "r") {
-      preview.play(-1);
-    } else if (event.key.toLowerCase() === "d" || (event.key === "Escape" && hand.isOn)) {
-      hand.toggle();
-    } else if (event.key === ".") {
-      preview.step(1);
-    } else if (event.key === ",") {
-      preview.step(-1);
-    } else if (event.key === "[") {
-      shiftKeys(store, -1);
-    } else if (event.key === "]") {
-      shiftKeys(store, 1);
-    } else if (event.key === "Delete") {
-      if (store.selection.values.size > 0) removeValues(store);
-      else removeKeys(store);
-    } else if (event.key.toLowerCase() === "i" && store.selection.keys.size > 0) {
-      insertOnPath(store, Math.min(...store.selection.keys) + 0.5);
-    } else {
-      return;
-    }
-    event.preventDefault();
-  }, { signal: listening.signal });
+  document.addEventListener(
+    "keydown",
+    (event) => {
+      const target = event.target as HTMLElement;
+      const control = event.ctrlKey || event.metaKey;
+      if (control && event.key.toLowerCase() === "z") {
+        if (event.shiftKey) store.redo();
+        else store.undo();
+      } else if (control && event.key.toLowerCase() === "y") {
+        store.redo();
+      } else if (control && event.key.toLowerCase() === "s") {
+        bar.saveTyped();
+      } else if (control && event.key.toLowerCase() === "d") {
+        copyKeys(store);
+      } else if (control || event.altKey || target.closest("input, select, textarea, dialog")) {
+        return;
+      } else if (event.key === " " && !target.closest("button")) {
+        preview.play(1);
+      } else if (event.key.toLowerCase() === "r") {
+        preview.play(-1);
+      } else if (event.key.toLowerCase() === "d" || (event.key === "Escape" && hand.isOn)) {
+        hand.toggle();
+      } else if (event.key === ".") {
+        preview.step(1);
+      } else if (event.key === ",") {
+        preview.step(-1);
+      } else if (event.key === "[") {
+        shiftKeys(store, -1);
+      } else if (event.key === "]") {
+        shiftKeys(store, 1);
+      } else if (event.key === "Delete") {
+        if (store.selection.values.size > 0) removeValues(store);
+        else removeKeys(store);
+      } else if (event.key.toLowerCase() === "i" && store.selection.keys.size > 0) {
+        insertOnPath(store, Math.min(...store.selection.keys) + 0.5);
+      } else {
+        return;
+      }
+      event.preventDefault();
+    },
+    { signal: listening.signal },
+  );
 }
 
 function begin(store: Store, server: Server | null, known: string, draft: Draft | null): Bar {
@@ -204,10 +236,15 @@ async function open(solver: Solver, server: Server): Promise<void> {
   try {
     // A draft in which nothing was edited has nothing to bring back.
     if (draft.head && (draft.isChanged || draft.head.count > 1)) {
-      history = await draft.history((text, base) => (!(theirs instanceof Error) && theirs.revision === base ? Promise.resolve(theirs) : server.document(text)));
+      history = await draft.history((text, base) =>
+        !(theirs instanceof Error) && theirs.revision === base ? Promise.resolve(theirs) : server.document(text),
+      );
     }
   } catch (error) {
-    notice("back", `What was edited here before cannot be shown: ${(error as Error).message}. This browser goes on keeping it.`);
+    notice(
+      "back",
+      `What was edited here before cannot be shown: ${(error as Error).message}. This browser goes on keeping it.`,
+    );
     draft = await Draft.fresh(id);
   }
   const first = history?.base ?? theirs;
@@ -218,29 +255,44 @@ async function open(solver: Solver, server: Server): Promise<void> {
   if (!history) {
     await draft.keepBase(first, () => bar.keepDraft());
   } else if (store.isChanged) {
-    notice("back", `What was edited here and not saved is back, as it was ${new Date(draft.head!.time).toLocaleString()}. Undo goes back over it.`);
+    notice(
+      "back",
+      `What was edited here and not saved is back, as it was ${new Date(draft.head!.time).toLocaleString()}. Undo goes back over it.`,
+    );
   }
   if (history && revision !== history.known) {
     if (store.isChanged || theirs instanceof Error) bar.offer(revision);
     else await bar.load(theirs);
   }
-  if (draft.others > 0) notice("others", `This browser keeps edits of ${draft.others} more tabs that were closed: open the address again in a new tab for each.`);
+  if (draft.others > 0)
+    notice(
+      "others",
+      `This browser keeps edits of ${draft.others} more tabs that were closed: open the address again in a new tab for each.`,
+    );
 }
 
 async function start(): Promise<void> {
   const inlined = document.getElementById("solver"); // of the page in one file
-  const solver = await Solver.load(inlined ? await (await fetch(`data:application/wasm;base64,${inlined.textContent!.trim()}`)).arrayBuffer()
-    : await fetch("solver.wasm"));
+  const solver = await Solver.load(
+    inlined
+      ? await (await fetch(`data:application/wasm;base64,${inlined.textContent!.trim()}`)).arrayBuffer()
+      : await fetch("solver.wasm"),
+  );
   if (inlined) {
     let shown: Store | null = null;
-    return askForFiles((move) => {
-      shown = new Store(solver, move);
-      begin(shown, null, "", null);
-    }, () => (shown?.isChanged ? shown.move : null));
+    return askForFiles(
+      (move) => {
+        shown = new Store(solver, move);
+        begin(shown, null, "", null);
+      },
+      () => (shown?.isChanged ? shown.move : null),
+    );
   }
   const server = Server.find();
   if (!server) {
-    byId("path").append(html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of the file."));
+    byId("path").append(
+      html("p", { class: "empty" }, "Open the address that “inbetween edit” printed: it has the key of the file."),
+    );
     return;
   }
   await open(solver, server);

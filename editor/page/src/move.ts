@@ -160,7 +160,17 @@ export function withSpeed(move: Move, index: number, speed: readonly number[]): 
 }
 
 export const plainKey = (at: readonly number[]): Key => ({
-  from: null, at, tension: 0, continuity: 0, bias: 0, frame: null, hold: null, break: false, ease: false, overlap: null, round: null,
+  from: null,
+  at,
+  tension: 0,
+  continuity: 0,
+  bias: 0,
+  frame: null,
+  hold: null,
+  break: false,
+  ease: false,
+  overlap: null,
+  round: null,
 });
 
 /** Which of the two rounds the corners of a track: straight paths alone have corners. */
@@ -196,7 +206,9 @@ export function editsOf(move: Move): object {
       speed: track.touched ? track.speed : null,
       spline: track.spline,
       closed: track.closed,
-      drawn: track.network?.drawn.filter(({ redrawn }) => redrawn).map(({ axis, frames, at }) => ({ axis, frames, at })) ?? null,
+      drawn:
+        track.network?.drawn.filter(({ redrawn }) => redrawn).map(({ axis, frames, at }) => ({ axis, frames, at })) ??
+        null,
     })),
   };
 }

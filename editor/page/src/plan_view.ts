@@ -10,7 +10,10 @@ import { colorChanges, type Size, Strokes, watchSize } from "./strokes";
 const margin = { left: 46, right: 16, top: 16, bottom: 26 };
 
 interface Box {
-  x0: number; x1: number; y0: number; y1: number;
+  x0: number;
+  x1: number;
+  y0: number;
+  y1: number;
 }
 
 export class PlanView {
@@ -30,16 +33,24 @@ export class PlanView {
   horizontal = 0;
   vertical = 1;
 
-  constructor(private readonly store: Store, place: HTMLElement, private readonly hand: Hand) {
+  constructor(
+    private readonly store: Store,
+    place: HTMLElement,
+    private readonly hand: Hand,
+  ) {
     this.root.append(this.hit, this.handles, this.rig, this.trace);
     place.append(this.ground.element, this.strokes.element, this.root);
     this.size = watchSize(place, () => this.draw());
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawFrame());
     this.hit.addEventListener("dblclick", (event) => this.insertAt(event));
-    this.root.addEventListener("pointerdown", (event) => {
-      if (hand.isOn) this.drawMotion(event);
-    }, true);
+    this.root.addEventListener(
+      "pointerdown",
+      (event) => {
+        if (hand.isOn) this.drawMotion(event);
+      },
+      true,
+    );
     this.root.addEventListener("pointerdown", (event) => {
       if (event.target === this.root && !hand.isOn) store.select({ keys: new Set() });
     });
@@ -72,17 +83,25 @@ export class PlanView {
   }
   private y(value: number): number {
     const { y0, y1 } = this.box;
-    return this.size.height - margin.bottom - ((value - y0) / (y1 - y0)) * (this.size.height - margin.top - margin.bottom);
+    return (
+      this.size.height - margin.bottom - ((value - y0) / (y1 - y0)) * (this.size.height - margin.top - margin.bottom)
+    );
   }
   private perPixel(): [number, number] {
     const { x0, x1, y0, y1 } = this.box;
-    return [(x1 - x0) / (this.size.width - margin.left - margin.right), (y1 - y0) / (this.size.height - margin.top - margin.bottom)];
+    return [
+      (x1 - x0) / (this.size.width - margin.left - margin.right),
+      (y1 - y0) / (this.size.height - margin.top - margin.bottom),
+    ];
   }
 
   private fit(points: [number, number][]): Box {
     let [x0, x1, y0, y1] = [Infinity, -Infinity, Infinity, -Infinity];
     for (const [x, y] of points) {
-      x0 = Math.min(x0, x); x1 = Math.max(x1, x); y0 = Math.min(y0, y); y1 = Math.max(y1, y);
+      x0 = Math.min(x0, x);
+      x1 = Math.max(x1, x);
+      y0 = Math.min(y0, y);
+      y1 = Math.max(y1, y);
     }
     const pad = (low: number, high: number): [number, number] => {
       const span = Math.max(high - low, 1e-6 * Math.max(Math.abs(low), Math.abs(high), 1));
@@ -100,7 +119,12 @@ export class PlanView {
       const scale = Math.max((x1 - x0) / wide, (y1 - y0) / high);
       const cx = (x0 + x1) / 2;
       const cy = (y0 + y1) / 2;
-      [x0, x1, y0, y1] = [cx - (scale * wide) / 2, cx + (scale * wide) / 2, cy - (scale * high) / 2, cy + (scale * high) / 2];
+      [x0, x1, y0, y1] = [
+        cx - (scale * wide) / 2,
+        cx + (scale * wide) / 2,
+        cy - (scale * high) / 2,
+        cy + (scale * high) / 2,
+      ];
     }
     return { x0, x1, y0, y1 };
   }
@@ -114,8 +138,19 @@ export class PlanView {
     const track = store.move.tracks[index];
     const solved = store.solution.tracks[index];
     // What the keys alone decide is drawn anew when they change, and not with every picture of a dragged speed curve.
-    const from = [track.keys, track.spline, track.closed, track.path, store.selection.keys, width, height, this.horizontal, this.vertical,
-      this.held, colorChanges];
+    const from = [
+      track.keys,
+      track.spline,
+      track.closed,
+      track.path,
+      store.selection.keys,
+      width,
+      height,
+      this.horizontal,
+      this.vertical,
+      this.held,
+      colorChanges,
+    ];
     if (from.some((one, i) => one !== this.drawnFrom[i])) {
       this.drawnFrom = from;
       const count = solved.path.length / axes;
@@ -127,7 +162,9 @@ export class PlanView {
       for (const [x, y] of points) this.ground.pen.lineTo(this.x(x), this.y(y));
       this.ground.stroke("path", 2);
       if (!store.isDragging) {
-        attributes(this.hit, { d: points.map(([x, y], i) => `${i ? "L" : "M"}${this.x(x).toFixed(1)} ${this.y(y).toFixed(1)}`).join("") });
+        attributes(this.hit, {
+          d: points.map(([x, y], i) => `${i ? "L" : "M"}${this.x(x).toFixed(1)} ${this.y(y).toFixed(1)}`).join(""),
+        });
       }
       this.drawKeys(track.fixed_keys !== null);
     }
@@ -204,8 +241,14 @@ export class PlanView {
     while (this.keys.length > shown.length) this.keys.pop()!.remove();
     while (this.keys.length < shown.length) {
       const k = this.keys.length;
-      const group = svg("g", { class: "key", role: "option" },
-        svg("line", { class: "miss" }), svg("circle", { r: 16, class: "grip" }), svg("circle", { r: 6.5, class: "knob" }), svg("text", { dy: -11, "text-anchor": "middle" }));
+      const group = svg(
+        "g",
+        { class: "key", role: "option" },
+        svg("line", { class: "miss" }),
+        svg("circle", { r: 16, class: "grip" }),
+        svg("circle", { r: 6.5, class: "knob" }),
+        svg("text", { dy: -11, "text-anchor": "middle" }),
+      );
       group.addEventListener("pointerdown", (event) => this.press(event, k));
       group.addEventListener("keydown", (event) => this.type(event, k));
       group.addEventListener("focus", () => {
@@ -224,7 +267,8 @@ export class PlanView {
       const lock = key.frame !== null ? `, locked on frame ${key.frame}` : "";
       attributes(group, {
         transform: `translate(${this.x(x).toFixed(1)} ${this.y(y).toFixed(1)})`,
-        "aria-selected": String(selected.has(k)), "aria-label": `Key ${k}: ${words}${lock}`,
+        "aria-selected": String(selected.has(k)),
+        "aria-label": `Key ${k}: ${words}${lock}`,
         tabindex: k === focusable ? 0 : -1,
         class: `key${selected.has(k) ? " selected" : ""}${key.frame !== null || key.hold !== null ? " locked" : ""}${fixed ? " fixed" : ""}`,
       });
@@ -268,17 +312,26 @@ export class PlanView {
     const { x0, y0 } = this.box;
     const [px, py] = this.perPixel();
     const bottom = this.size.height - margin.bottom;
-    const toAxes = (x: number, y: number): [number, number] =>
-      [x0 + (x - left - margin.left) * px, y0 + (bottom - (y - top)) * py];
+    const toAxes = (x: number, y: number): [number, number] => [
+      x0 + (x - left - margin.left) * px,
+      y0 + (bottom - (y - top)) * py,
+    ];
     hand.press(event);
-    follow(event, (e) => {
-      const samples = hand.move(e);
-      attributes(this.trace, { points: samples.map(({ x, y }) => `${(x - left).toFixed(1)},${(y - top).toFixed(1)}`).join(" ") });
-    }, (cancelled) => {
-      this.trace.removeAttribute("points");
-      const shown: [number, number] = axes === 1 ? [-1, 0] : [Math.min(this.horizontal, axes - 1), Math.min(this.vertical, axes - 1)];
-      if (!cancelled) void hand.release(shown, toAxes, [px, py]);
-    });
+    follow(
+      event,
+      (e) => {
+        const samples = hand.move(e);
+        attributes(this.trace, {
+          points: samples.map(({ x, y }) => `${(x - left).toFixed(1)},${(y - top).toFixed(1)}`).join(" "),
+        });
+      },
+      (cancelled) => {
+        this.trace.removeAttribute("points");
+        const shown: [number, number] =
+          axes === 1 ? [-1, 0] : [Math.min(this.horizontal, axes - 1), Math.min(this.vertical, axes - 1)];
+        if (!cancelled) void hand.release(shown, toAxes, [px, py]);
+      },
+    );
   }
 
   private press(event: PointerEvent, k: number): void {
@@ -299,22 +352,28 @@ export class PlanView {
     let moving = false;
     this.held = this.box;
     store.begin();
-    follow(event, (e) => {
-      const dx = e.clientX - from.x;
-      const dy = e.clientY - from.y;
-      if (!moving && Math.hypot(dx, dy) < 3) return;
-      moving = true;
-      const by = new Array<number>(this.one.axes).fill(0);
-      if (this.one.axes > 1) by[Math.min(this.horizontal, this.one.axes - 1)] += dx * px;
-      by[this.one.axes > 1 ? Math.min(this.vertical, this.one.axes - 1) : 0] -= dy * py;
-      const steps = by.map((_, a) => stepFor(a === this.horizontal ? this.box.x1 - this.box.x0 : this.box.y1 - this.box.y0));
-      store.edit(moveKeys(start, this.one.index, keys, by, steps));
-    }, (cancelled) => {
-      this.held = null;
-      if (cancelled) store.cancel();
-      else store.end();
-      this.draw();
-    });
+    follow(
+      event,
+      (e) => {
+        const dx = e.clientX - from.x;
+        const dy = e.clientY - from.y;
+        if (!moving && Math.hypot(dx, dy) < 3) return;
+        moving = true;
+        const by = new Array<number>(this.one.axes).fill(0);
+        if (this.one.axes > 1) by[Math.min(this.horizontal, this.one.axes - 1)] += dx * px;
+        by[this.one.axes > 1 ? Math.min(this.vertical, this.one.axes - 1) : 0] -= dy * py;
+        const steps = by.map((_, a) =>
+          stepFor(a === this.horizontal ? this.box.x1 - this.box.x0 : this.box.y1 - this.box.y0),
+        );
+        store.edit(moveKeys(start, this.one.index, keys, by, steps));
+      },
+      (cancelled) => {
+        this.held = null;
+        if (cancelled) store.cancel();
+        else store.end();
+        this.draw();
+      },
+    );
   }
 
   private type(event: KeyboardEvent, k: number): void {
@@ -331,7 +390,9 @@ export class PlanView {
       go(k + (arrow[0] + arrow[1] > 0 ? 1 : -1));
     } else if (arrow) {
       if (track.fixed_keys) return say(`Keys of this track: ${track.fixed_keys}.`);
-      const steps = track.axes.map((_, a) => stepFor(a === this.horizontal && this.one.axes > 1 ? this.box.x1 - this.box.x0 : this.box.y1 - this.box.y0));
+      const steps = track.axes.map((_, a) =>
+        stepFor(a === this.horizontal && this.one.axes > 1 ? this.box.x1 - this.box.x0 : this.box.y1 - this.box.y0),
+      );
       const by = track.axes.map((_, a) => {
         const size = event.shiftKey ? 10 : 1;
         if (this.one.axes === 1) return (arrow[0] + arrow[1]) * size * steps[a];

@@ -14,12 +14,19 @@ export class Preview {
   private readonly playButton: HTMLButtonElement;
   private readonly backButton: HTMLButtonElement;
 
-  constructor(private readonly store: Store, place: HTMLElement) {
+  constructor(
+    private readonly store: Store,
+    place: HTMLElement,
+  ) {
     this.playButton = button("▶", "Play (Space)", () => this.play(1), "play");
     this.backButton = button("◀", "Play backward (R)", () => this.play(-1), "reverse");
-    const mode = html("select", { id: "mode", "aria-label": "At the end" },
-      html("option", { value: "once" }, "Once"), html("option", { value: "loop" }, "Loop"),
-      html("option", { value: "ping-pong" }, "Ping-pong"));
+    const mode = html(
+      "select",
+      { id: "mode", "aria-label": "At the end" },
+      html("option", { value: "once" }, "Once"),
+      html("option", { value: "loop" }, "Loop"),
+      html("option", { value: "ping-pong" }, "Ping-pong"),
+    );
     mode.addEventListener("change", () => (this.mode = mode.value as Mode));
     const scrub = html("input", { type: "range", id: "scrub", step: "1", "aria-label": "Scrub" });
     scrub.addEventListener("input", () => {
@@ -30,10 +37,15 @@ export class Preview {
     place.append(
       button("|◀", "To the first frame", () => this.go(store.solution.firstFrame), "to-start"),
       button("‹", "One frame back (,)", () => this.step(-1), "step-back"),
-      this.backButton, this.playButton,
+      this.backButton,
+      this.playButton,
       button("›", "One frame on (.)", () => this.step(1), "step"),
       button("▶|", "To the last frame", () => this.go(store.solution.lastFrame), "to-end"),
-      mode, scrub, this.counter, this.clock);
+      mode,
+      scrub,
+      this.counter,
+      this.clock,
+    );
     const show = (): void => {
       attributes(scrub, { min: store.solution.firstFrame, max: store.solution.lastFrame });
       scrub.value = String(Math.round(store.frame));
@@ -83,7 +95,8 @@ export class Preview {
     if (this.direction === 0) return;
     const { firstFrame, lastFrame } = this.store.solution;
     const span = lastFrame - firstFrame;
-    let frame = this.store.frame + (this.direction * Math.max(now - this.last, 0) * perSecond(this.store.move.fps)) / 1000;
+    let frame =
+      this.store.frame + (this.direction * Math.max(now - this.last, 0) * perSecond(this.store.move.fps)) / 1000;
     this.last = now;
     if (frame > lastFrame || frame < firstFrame) {
       if (this.mode === "once") {

@@ -12,20 +12,60 @@ export interface RecordAbi {
 
 const names = {
   track_request: [
-    "spline", "kinetic", "is_closed", "is_periodic", "overshoots", "rests_at_start", "rests_at_end", "frames", "fps_numerator",
-    "fps_denominator", "axis_count", "key_count", "lap_count", "weight_count", "shape_count", "control_value_count",
-    "lock_count", "key_frame_count", "corner_count", "segment_count",
+    "spline",
+    "kinetic",
+    "is_closed",
+    "is_periodic",
+    "overshoots",
+    "rests_at_start",
+    "rests_at_end",
+    "frames",
+    "fps_numerator",
+    "fps_denominator",
+    "axis_count",
+    "key_count",
+    "lap_count",
+    "weight_count",
+    "shape_count",
+    "control_value_count",
+    "lock_count",
+    "key_frame_count",
+    "corner_count",
+    "segment_count",
   ],
   move_request: ["track_count", "axis_count", "motor_count", "rate_hz"],
   error_report: ["code", "key", "axis", "control_value", "frame", "needed"],
   track_report: [
-    "hash_low", "hash_high", "frames", "segment_count", "key_count", "piece_count", "played_value_count", "length",
-    "constant", "total_integral",
+    "hash_low",
+    "hash_high",
+    "frames",
+    "segment_count",
+    "key_count",
+    "piece_count",
+    "played_value_count",
+    "length",
+    "constant",
+    "total_integral",
   ],
   move_report: [
-    "first_frame", "last_frame", "axis_count", "motor_count", "cell_count", "step_count", "steps_left_out",
-    "stops_are_proven", "breach_kind", "breach_axis", "breach_quantity", "highest_rate", "longest_stop_seconds",
-    "longest_stop_frames", "longest_stop_from_frame", "breach_value", "breach_limit", "breach_frame",
+    "first_frame",
+    "last_frame",
+    "axis_count",
+    "motor_count",
+    "cell_count",
+    "step_count",
+    "steps_left_out",
+    "stops_are_proven",
+    "breach_kind",
+    "breach_axis",
+    "breach_quantity",
+    "highest_rate",
+    "longest_stop_seconds",
+    "longest_stop_frames",
+    "longest_stop_from_frame",
+    "breach_value",
+    "breach_limit",
+    "breach_frame",
   ],
 } as const;
 
@@ -51,8 +91,10 @@ export class Records {
   constructor(private readonly abi: RecordAbi) {
     const offsets = new Map<string, Pick<Field, "at" | "isNumber">>();
     for (let i = 0; i < abi.ib_field_count(); ++i) {
-      offsets.set(textAt(abi.memory, abi.ib_field_name(i)),
-        { at: abi.ib_records() + abi.ib_field_offset(i), isNumber: abi.ib_field_is_number(i) !== 0 });
+      offsets.set(textAt(abi.memory, abi.ib_field_name(i)), {
+        at: abi.ib_records() + abi.ib_field_offset(i),
+        isNumber: abi.ib_field_is_number(i) !== 0,
+      });
     }
     const missing: string[] = [];
     const fields = new Map<RecordName, Field[]>();
@@ -68,10 +110,12 @@ export class Records {
     }
     this.fields = fields;
     if (missing.length === 0 && offsets.size === 0) return;
-    throw new Error(`The page and its solver are of different versions: ${[
-      ...missing.map((name) => `the solver has no ${name}`),
-      ...[...offsets.keys()].map((name) => `the page has no ${name}`),
-    ].join(", ")}. Build both again.`);
+    throw new Error(
+      `The page and its solver are of different versions: ${[
+        ...missing.map((name) => `the solver has no ${name}`),
+        ...[...offsets.keys()].map((name) => `the page has no ${name}`),
+      ].join(", ")}. Build both again.`,
+    );
   }
 
   /** Writes every field of a record. */
@@ -82,7 +126,8 @@ export class Records {
       if (isNumber) {
         memory.setFloat64(at, value, true);
       } else {
-        if (value !== (value | 0)) throw new Error(`${record}.${name} is ${value}, and a whole number of 32 bits is needed`);
+        if (value !== (value | 0))
+          throw new Error(`${record}.${name} is ${value}, and a whole number of 32 bits is needed`);
         memory.setInt32(at, value, true);
       }
     }
@@ -90,7 +135,10 @@ export class Records {
 
   read<R extends RecordName>(record: R): Values<R> {
     const memory = new DataView(this.abi.memory.buffer);
-    return Object.fromEntries(this.fields.get(record)!.map(({ name, at, isNumber }) =>
-      [name, isNumber ? memory.getFloat64(at, true) : memory.getInt32(at, true)])) as Values<R>;
+    return Object.fromEntries(
+      this.fields
+        .get(record)!
+        .map(({ name, at, isNumber }) => [name, isNumber ? memory.getFloat64(at, true) : memory.getInt32(at, true)]),
+    ) as Values<R>;
   }
 }

@@ -11,7 +11,11 @@ export class RigFigure {
   private readonly links: number;
   private readonly tip: number;
 
-  constructor(private readonly three: typeof Three, private readonly store: Store, private readonly content: Three.Group) {
+  constructor(
+    private readonly three: typeof Three,
+    private readonly store: Store,
+    private readonly content: Three.Group,
+  ) {
     const joints = store.move.rig!.joints!;
     this.links = joints.length;
     this.tip = store.move.rig!.tip ?? joints.length - 1;
@@ -38,13 +42,18 @@ export class RigFigure {
     const size = Math.max(...high.map((top, i) => top - low[i]), 1e-6);
     // One scale for all: metres are metres.
     this.ground = (low[2] - high[2]) / size;
-    this.scale = (places, link) => new three.Vector3(
-      (places[3 * link] - (low[0] + high[0]) / 2) * (2 / size), (places[3 * link + 1] - (low[1] + high[1]) / 2) * (2 / size),
-      (places[3 * link + 2] - (low[2] + high[2]) / 2) * (2 / size));
+    this.scale = (places, link) =>
+      new three.Vector3(
+        (places[3 * link] - (low[0] + high[0]) / 2) * (2 / size),
+        (places[3 * link + 1] - (low[1] + high[1]) / 2) * (2 / size),
+        (places[3 * link + 2] - (low[2] + high[2]) / 2) * (2 / size),
+      );
     const path = Array.from({ length: samples }, (_, i) => this.scale(all, i * links + this.tip));
     const line = new three.BufferGeometry().setFromPoints(path);
-    content.add(new three.Line(line, new three.LineBasicMaterial({ color: 0x6ab0ff })),
-      new three.Points(line, new three.PointsMaterial({ color: 0x9fb4d0, size: 2, sizeAttenuation: false })));
+    content.add(
+      new three.Line(line, new three.LineBasicMaterial({ color: 0x6ab0ff })),
+      new three.Points(line, new three.PointsMaterial({ color: 0x9fb4d0, size: 2, sizeAttenuation: false })),
+    );
     const metal = new three.MeshBasicMaterial({ color: 0xc9d2df });
     this.rods.length = 0;
     store.move.rig!.joints!.forEach(({ parent }, to) => {
@@ -56,7 +65,9 @@ export class RigFigure {
     const knuckle = new three.SphereGeometry(0.024, 12, 10);
     this.knuckles.length = 0;
     for (let link = 0; link < links; ++link) {
-      this.knuckles.push(new three.Mesh(knuckle, new three.MeshBasicMaterial({ color: link === this.tip ? 0xffc14d : 0xe8ecf2 })));
+      this.knuckles.push(
+        new three.Mesh(knuckle, new three.MeshBasicMaterial({ color: link === this.tip ? 0xffc14d : 0xe8ecf2 })),
+      );
     }
     content.add(...this.knuckles);
     return true;

@@ -16,7 +16,11 @@ export class RowView {
 
   private far = 1; // the most that an axis is away from where it rests
 
-  constructor(private readonly store: Store, private readonly panel: HTMLElement, private readonly hand: Hand) {
+  constructor(
+    private readonly store: Store,
+    private readonly panel: HTMLElement,
+    private readonly hand: Hand,
+  ) {
     this.root.append(this.cursor);
     this.root.addEventListener("pointerdown", (event) => {
       if (hand.isOn) this.drawCurve(event);
@@ -48,8 +52,12 @@ export class RowView {
     const index = store.selection.track;
     const { axes, keys, unit } = store.move.tracks[index];
     const { table, stride } = store.solution.tracks[index];
-    attributes(this.root, { width, height, viewBox: `0 0 ${width} ${height}`,
-      "aria-label": `${axes.length} axes over ${store.move.frames} frames, ${network.drawn.length} of them drawn` });
+    attributes(this.root, {
+      width,
+      height,
+      viewBox: `0 0 ${width} ${height}`,
+      "aria-label": `${axes.length} axes over ${store.move.frames} frames, ${network.drawn.length} of them drawn`,
+    });
     const frames = table.length / stride;
     let [low, high] = [Infinity, -Infinity];
     for (let frame = 0; frame < frames; ++frame) {
@@ -65,7 +73,8 @@ export class RowView {
     const { pen } = this.heat;
     const rowHigh = this.high / axes.length;
     const columns = Math.min(frames, Math.floor(width - margin.left - margin.right));
-    const edge = (column: number): number => margin.left + Math.round((column * (width - margin.left - margin.right)) / columns);
+    const edge = (column: number): number =>
+      margin.left + Math.round((column * (width - margin.left - margin.right)) / columns);
     for (let column = 0; column < columns; ++column) {
       const frame = Math.floor((column * frames) / columns);
       for (let a = 0; a < axes.length; ++a) {
@@ -76,9 +85,11 @@ export class RowView {
       }
     }
     pen.globalAlpha = 1;
-    for (let a = 0; a <= axes.length; ++a) this.heat.line(margin.left, this.top(a, axes.length), width - margin.right, this.top(a, axes.length));
+    for (let a = 0; a <= axes.length; ++a)
+      this.heat.line(margin.left, this.top(a, axes.length), width - margin.right, this.top(a, axes.length));
     this.heat.stroke("grid");
-    for (const key of keys) this.heat.line(this.x(key.frame ?? 0), margin.top, this.x(key.frame ?? 0), margin.top + this.high);
+    for (const key of keys)
+      this.heat.line(this.x(key.frame ?? 0), margin.top, this.x(key.frame ?? 0), margin.top + this.high);
     this.heat.stroke("select", 1, [3, 3]);
     for (const { axis } of network.drawn) {
       for (let frame = 0; frame < frames; ++frame) {
@@ -95,7 +106,12 @@ export class RowView {
       this.heat.text(isDrawn(a) ? `✎ ${name}` : name, margin.left - 8, y, "right", isDrawn(a) ? "text" : "dim");
     }
     const words = (at: number): string => `${Number(at.toPrecision(3))} ${unit}`;
-    this.heat.text(`orange: up to ${words(high)}; blue: down to ${words(low)}; lines: drawn; dashed: keys`, margin.left, 14, "left");
+    this.heat.text(
+      `orange: up to ${words(high)}; blue: down to ${words(low)}; lines: drawn; dashed: keys`,
+      margin.left,
+      14,
+      "left",
+    );
     for (const key of keys) this.heat.text(String(key.frame ?? 0), this.x(key.frame ?? 0), height - 10, "center");
     this.drawFrame();
   }
@@ -108,10 +124,14 @@ export class RowView {
     const axis = Math.min(Math.max(Math.floor(((y - margin.top) / this.high) * axes.length), 0), axes.length - 1);
     event.preventDefault();
     hand.press(event);
-    follow(event, (moved) => void hand.move(moved), (cancelled) => {
-      const samples = hand.taken();
-      if (!cancelled && samples) this.takeCurve(axis, samples);
-    });
+    follow(
+      event,
+      (moved) => void hand.move(moved),
+      (cancelled) => {
+        const samples = hand.taken();
+        if (!cancelled && samples) this.takeCurve(axis, samples);
+      },
+    );
   }
 
   /** The pace of the hand fills the move. At keys that have a position for the axis the curve is bent to meet it. */
@@ -124,8 +144,9 @@ export class RowView {
     const keys = old ? old.keys : track.keys.map((_, k) => k);
     const fixed = new Map(keys.map((k) => [track.keys[k].frame ?? 0, track.keys[k].at[axis]]));
     const between = Math.max(1, Math.round(perSecond(move.fps) / 8));
-    const frames = Array.from({ length: Math.floor(move.frames / between) + 1 }, (_, i) => i * between)
-      .filter((frame) => ![...fixed.keys(), move.frames].some((key) => key !== frame && Math.abs(key - frame) < between));
+    const frames = Array.from({ length: Math.floor(move.frames / between) + 1 }, (_, i) => i * between).filter(
+      (frame) => ![...fixed.keys(), move.frames].some((key) => key !== frame && Math.abs(key - frame) < between),
+    );
     const all = [...new Set([0, ...frames, ...fixed.keys(), move.frames])].sort((a, b) => a - b);
     const drawn = all.map((frame) => this.heightAt(samples, frame / move.frames, between / move.frames));
     const met = all.map((frame, i) => (fixed.has(frame) ? fixed.get(frame)! - drawn[i] : null));
@@ -133,8 +154,11 @@ export class RowView {
     const at = all.map((frame, i) => fixed.get(frame) ?? roundTo(drawn[i] + bend(all, met, i), step));
     const curve: DrawnCurve = { axis, frames: all, at, keys, redrawn: true };
     const others = network.drawn.filter((one) => one.axis !== axis);
-    store.edit(withTrack(move, selection.track,
-      { network: { ...network, drawn: [...others, curve].sort((a, b) => a.axis - b.axis) } }));
+    store.edit(
+      withTrack(move, selection.track, {
+        network: { ...network, drawn: [...others, curve].sort((a, b) => a.axis - b.axis) },
+      }),
+    );
     say(`${track.axes[axis]} drawn: ${all.length} points, ${fixed.size} of them on keys.`);
     this.hand.toggle();
   }

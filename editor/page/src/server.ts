@@ -27,7 +27,11 @@ export interface FileState {
 
 /** What the program refuses, in its words. */
 export class Refusal extends Error {
-  constructor(readonly status: number, message: string, readonly revision: string | null) {
+  constructor(
+    readonly status: number,
+    message: string,
+    readonly revision: string | null,
+  ) {
     super(message);
   }
 }
@@ -67,7 +71,10 @@ export class Server {
   }
   /** `expects` is the revision of the file; `own`: this page has its text. */
   save(move: Move, expects: string, own: boolean): Promise<{ revision: string; kept: string | null }> {
-    return this.ask("POST", "save", { ...editsOf(move), expects, own }) as Promise<{ revision: string; kept: string | null }>;
+    return this.ask("POST", "save", { ...editsOf(move), expects, own }) as Promise<{
+      revision: string;
+      kept: string | null;
+    }>;
   }
   draw(motion: DrawnMotion): Promise<MotionFit> {
     return this.ask("POST", "draw", motion) as Promise<MotionFit>;
@@ -88,7 +95,8 @@ export class Server {
     } catch {
       throw new Refusal(0, "the program has ended", null);
     }
-    if (!response.ok) throw new Refusal(response.status, answer.error ?? "The program refused.", answer.revision ?? null);
+    if (!response.ok)
+      throw new Refusal(response.status, answer.error ?? "The program refused.", answer.revision ?? null);
     return answer;
   }
 }

@@ -19,13 +19,24 @@ export class KeyTable {
   });
 
   constructor(private readonly store: Store) {
-    const tools = html("div", { class: "tools", role: "toolbar", "aria-label": "Keys" },
+    const tools = html(
+      "div",
+      { class: "tools", role: "toolbar", "aria-label": "Keys" },
       button("Add", "Add a key behind the last", () => insertOnPath(store, Infinity), "add-key"),
-      button("Insert", "Insert a key on the path behind the selected one (I)", () => {
-        insertOnPath(store, Math.min(...store.selection.keys, store.move.tracks[store.selection.track].keys.length - 1) + 0.5);
-      }, "insert-key"),
+      button(
+        "Insert",
+        "Insert a key on the path behind the selected one (I)",
+        () => {
+          insertOnPath(
+            store,
+            Math.min(...store.selection.keys, store.move.tracks[store.selection.track].keys.length - 1) + 0.5,
+          );
+        },
+        "insert-key",
+      ),
       button("Copy", "Copy the selected keys (Ctrl+D)", () => copyKeys(store), "copy-key"),
-      button("Delete", "Delete the selected keys (Delete)", () => removeKeys(store), "delete-key"));
+      button("Delete", "Delete the selected keys (Delete)", () => removeKeys(store), "delete-key"),
+    );
     const scroll = html("div", { class: "scroll" });
     scroll.append(this.table);
     this.detail = new KeyDetail(store);
@@ -61,24 +72,51 @@ export class KeyTable {
     const index = store.selection.track;
     const track = store.move.tracks[index];
     const first = firstAxis(store.move, index);
-    const head = html("tr", {}, html("th", { scope: "col" }, "key"),
-      ...track.coordinates.map((name, a) => html("th", { scope: "col" }, name,
-        html("small", {}, track.coordinates.length === track.axes.length ? ` ${store.move.axes[first + a].unit}` : ""))),
-      html("th", { scope: "col" }, "frame"));
+    const head = html(
+      "tr",
+      {},
+      html("th", { scope: "col" }, "key"),
+      ...track.coordinates.map((name, a) =>
+        html(
+          "th",
+          { scope: "col" },
+          name,
+          html(
+            "small",
+            {},
+            track.coordinates.length === track.axes.length ? ` ${store.move.axes[first + a].unit}` : "",
+          ),
+        ),
+      ),
+      html("th", { scope: "col" }, "frame"),
+    );
     const rows = track.keys.map((_, k) => {
       const number = html("th", { scope: "row" }, String(k));
       const cells = track.coordinates.map((name, a) =>
-        html("td", {}, this.input(`${name} of key ${k}`, track.fixed_keys !== null, (text) => {
-          const value = Number(text);
-          if (text.trim() === "" || !Number.isFinite(value)) return say("That is no number.", true);
-          changeKeys(store, new Set([k]), (key) => ({ ...key, at: key.at.map((x, i) => (i === a ? value : x)) }));
-        })));
-      const frame = html("td", {}, this.input(`Frame of key ${k}; empty: as drawn`, track.fixed_keys !== null, (text) => {
-        const value = text.trim() === "" ? null : Number(text);
-        if (value !== null && !(Number.isInteger(value) && value >= 0 && value <= store.move.frames))
-          return say(`A frame is a whole number from 0 to ${store.move.frames}.`, true);
-        changeKeys(store, new Set([k]), (key) => ({ ...key, frame: value, break: value === null ? false : key.break }));
-      }));
+        html(
+          "td",
+          {},
+          this.input(`${name} of key ${k}`, track.fixed_keys !== null, (text) => {
+            const value = Number(text);
+            if (text.trim() === "" || !Number.isFinite(value)) return say("That is no number.", true);
+            changeKeys(store, new Set([k]), (key) => ({ ...key, at: key.at.map((x, i) => (i === a ? value : x)) }));
+          }),
+        ),
+      );
+      const frame = html(
+        "td",
+        {},
+        this.input(`Frame of key ${k}; empty: as drawn`, track.fixed_keys !== null, (text) => {
+          const value = text.trim() === "" ? null : Number(text);
+          if (value !== null && !(Number.isInteger(value) && value >= 0 && value <= store.move.frames))
+            return say(`A frame is a whole number from 0 to ${store.move.frames}.`, true);
+          changeKeys(store, new Set([k]), (key) => ({
+            ...key,
+            frame: value,
+            break: value === null ? false : key.break,
+          }));
+        }),
+      );
       const row = html("tr", {}, number, ...cells, frame);
       // A press says itself what is selected, before its field gets the keyboard.
       let isPressed = false;
@@ -86,7 +124,8 @@ export class KeyTable {
         isPressed = true;
         store.selectKey(k, event.shiftKey || event.ctrlKey || event.metaKey);
       });
-      for (const end of ["click", "pointerleave", "pointercancel"]) row.addEventListener(end, () => (isPressed = false));
+      for (const end of ["click", "pointerleave", "pointercancel"])
+        row.addEventListener(end, () => (isPressed = false));
       row.addEventListener("focusin", () => {
         if (!isPressed && !store.selection.keys.has(k)) store.selectKey(k);
       });
@@ -102,10 +141,14 @@ export class KeyTable {
 
   private input(label: string, fixed: boolean, change: (text: string) => void): HTMLInputElement {
     const input = html("input", { inputmode: "decimal", "aria-label": label, readonly: fixed });
-    whenTyped(input, () => {
-      change(input.value);
-      this.draw();
-    }, () => this.draw());
+    whenTyped(
+      input,
+      () => {
+        change(input.value);
+        this.draw();
+      },
+      () => this.draw(),
+    );
     return input;
   }
 }
@@ -115,7 +158,14 @@ export class AxisGraphs {
   readonly element = html("div", { class: "fill scroll", tabindex: 0, "aria-label": "Axes over time" });
   private readonly cursors: SVGLineElement[] = [];
   private built = "";
-  private readonly graphs: { axis: number; quantity: number; root: SVGSVGElement; line: SVGPathElement; limit: SVGPathElement; value: SVGTextElement }[] = [];
+  private readonly graphs: {
+    axis: number;
+    quantity: number;
+    root: SVGSVGElement;
+    line: SVGPathElement;
+    limit: SVGPathElement;
+    value: SVGTextElement;
+  }[] = [];
 
   constructor(private readonly store: Store) {
     store.onChange(() => this.draw());
@@ -139,7 +189,9 @@ export class AxisGraphs {
       attributes(graph.root, { width, height, viewBox: `0 0 ${width} ${height}` });
       const values = Array.from({ length: samples }, (_, i) => motion[(i * axes + graph.axis) * 4 + graph.quantity]);
       const limits = store.move.axes[graph.axis].limits;
-      const bound = limits ? [null, limits.max_velocity, limits.max_acceleration, limits.max_jerk][graph.quantity] : null;
+      const bound = limits
+        ? [null, limits.max_velocity, limits.max_acceleration, limits.max_jerk][graph.quantity]
+        : null;
       let low = Math.min(...values);
       let high = Math.max(...values);
       if (graph.quantity > 0) {
@@ -150,9 +202,17 @@ export class AxisGraphs {
       const span = high - low || 1;
       const y = (value: number): number => height - 5 - ((value - low) / span) * (height - 20);
       const over = bound !== null && values.some((value) => Math.abs(value) > bound);
-      graph.line.setAttribute("d", values.map((value, i) => `${i ? "L" : "M"}${((i / (samples - 1)) * width).toFixed(1)} ${y(value).toFixed(1)}`).join(""));
+      graph.line.setAttribute(
+        "d",
+        values
+          .map((value, i) => `${i ? "L" : "M"}${((i / (samples - 1)) * width).toFixed(1)} ${y(value).toFixed(1)}`)
+          .join(""),
+      );
       graph.line.classList.toggle("over-line", over);
-      graph.limit.setAttribute("d", bound !== null && bound <= high ? `M0 ${y(bound)}H${width}M0 ${y(-bound)}H${width}` : "");
+      graph.limit.setAttribute(
+        "d",
+        bound !== null && bound <= high ? `M0 ${y(bound)}H${width}M0 ${y(-bound)}H${width}` : "",
+      );
     }
     this.drawCursor();
   }
@@ -163,14 +223,25 @@ export class AxisGraphs {
     this.cursors.length = 0;
     const parts = store.move.axes.flatMap((axis, a) => {
       const unit = axis.unit || "units";
-      return [["", unit], ["velocity", `${unit}/s`], ["acceleration", `${unit}/s²`]].map(([name, per], quantity) => {
+      return [
+        ["", unit],
+        ["velocity", `${unit}/s`],
+        ["acceleration", `${unit}/s²`],
+      ].map(([name, per], quantity) => {
         const line = svg("path", { class: "graph-line" });
         const limit = svg("path", { class: "limit-line" });
         const cursor = svg("line", { class: "cursor" });
         const value = svg("text", { y: 11, "text-anchor": "end", class: "graph-value" });
         const label = `${axis.name} ${name}`.trim();
-        const root = svg("svg", { class: `graph quantity-${quantity}`, role: "img", "aria-label": `${label} over time` },
-          svg("text", { x: 2, y: 11, class: "axis-name" }, `${label} (${per})`), limit, line, cursor, value);
+        const root = svg(
+          "svg",
+          { class: `graph quantity-${quantity}`, role: "img", "aria-label": `${label} over time` },
+          svg("text", { x: 2, y: 11, class: "axis-name" }, `${label} (${per})`),
+          limit,
+          line,
+          cursor,
+          value,
+        );
         this.cursors.push(cursor);
         this.graphs.push({ axis: a, quantity, root, line, limit, value });
         return root;

@@ -67,7 +67,14 @@ export interface Certificate {
   readonly longestStop: number | null; // seconds
   readonly peaks: readonly { lowest: Peak; highest: Peak; velocity: Peak; acceleration: Peak; jerk: Peak }[];
   readonly ceilings: readonly (readonly Ceiling[])[]; // of each track, cell by cell
-  readonly steps: readonly { track: number; key: number; axis: number; frame: number; velocity: number; acceleration: number }[];
+  readonly steps: readonly {
+    track: number;
+    key: number;
+    axis: number;
+    frame: number;
+    velocity: number;
+    acceleration: number;
+  }[];
 }
 
 export interface Solution {
@@ -194,8 +201,13 @@ export class Solver {
     const corners = cornersOf(track, byFrames);
     const overlaps = byFrames && corners.length > 0; // straight paths that are curves over time
     if (byFrames && keys.some((key) => key.frame === null)) {
-      throw new Failure({ what: "a key has no frame", remedy: "give it one: all keys of this track have frames",
-        track: index, key: keys.findIndex((key) => key.frame === null), axis: -1 });
+      throw new Failure({
+        what: "a key has no frame",
+        remedy: "give it one: all keys of this track have frames",
+        track: index,
+        key: keys.findIndex((key) => key.frame === null),
+        axis: -1,
+      });
     }
     this.records.write("track_request", {
       spline: splines.indexOf(track.spline),
@@ -259,8 +271,16 @@ export class Solver {
     let i = 0;
     let n = 0;
     for (const { limits: l } of moved) {
-      for (const value of [l.min, l.max, l.max_velocity, l.max_acceleration, l.max_jerk, l.max_acceleration_step,
-        l.stop_acceleration, l.stop_jerk]) {
+      for (const value of [
+        l.min,
+        l.max,
+        l.max_velocity,
+        l.max_acceleration,
+        l.max_jerk,
+        l.max_acceleration_step,
+        l.stop_acceleration,
+        l.stop_jerk,
+      ]) {
         numbers[n++] = value ?? Number.NaN;
       }
     }
@@ -305,7 +325,20 @@ export class Solver {
     // L(s) = K Phi(a), and a runs through f spans in the time of the move: speed = K phi da/dt.
     const { constant, total_integral: integral, played_value_count: values } = report;
     const unitPerValue = integral > 0 && values > 1 ? (constant * (values - 1) * perSecond(move.fps)) / frames : 0;
-    return { hash, segments, length, path, perSegment, table, begins, stride, keyFrames, keyPlaces, played, unitPerValue };
+    return {
+      hash,
+      segments,
+      length,
+      path,
+      perSegment,
+      table,
+      begins,
+      stride,
+      keyFrames,
+      keyPlaces,
+      played,
+      unitPerValue,
+    };
   }
 
   private readCertificate(move: Move): Certificate | null {
@@ -318,22 +351,45 @@ export class Solver {
     let n = 0;
     const peak = (): Peak => ({ value: numbers[n++], frame: numbers[n++] });
     const peaks = Array.from({ length: moved.length }, () => ({
-      lowest: peak(), highest: peak(), velocity: peak(), acceleration: peak(), jerk: peak(),
+      lowest: peak(),
+      highest: peak(),
+      velocity: peak(),
+      acceleration: peak(),
+      jerk: peak(),
     }));
     const ceilings = move.tracks.map(() =>
-      Array.from({ length: report.cell_count }, () => ({ rate: numbers[n++], axis: integers[i++], quantity: integers[i++] })));
+      Array.from({ length: report.cell_count }, () => ({
+        rate: numbers[n++],
+        axis: integers[i++],
+        quantity: integers[i++],
+      })),
+    );
     const steps = Array.from({ length: report.step_count }, () => ({
-      track: integers[i++], key: integers[i++], axis: integers[i++],
-      frame: numbers[n++], velocity: numbers[n++], acceleration: numbers[n++],
+      track: integers[i++],
+      key: integers[i++],
+      axis: integers[i++],
+      frame: numbers[n++],
+      velocity: numbers[n++],
+      acceleration: numbers[n++],
     }));
     const fits = report.breach_kind === 0;
     return {
-      firstFrame: report.first_frame, lastFrame: report.last_frame, highestRate: report.highest_rate, peaks, ceilings, steps,
+      firstFrame: report.first_frame,
+      lastFrame: report.last_frame,
+      highestRate: report.highest_rate,
+      peaks,
+      ceilings,
+      steps,
       fits,
-      reason: fits ? "" : reasonOf(moved[report.breach_axis], {
-        kind: report.breach_kind, quantity: report.breach_quantity, value: report.breach_value, limit: report.breach_limit,
-        frame: report.breach_frame,
-      }),
+      reason: fits
+        ? ""
+        : reasonOf(moved[report.breach_axis], {
+            kind: report.breach_kind,
+            quantity: report.breach_quantity,
+            value: report.breach_value,
+            limit: report.breach_limit,
+            frame: report.breach_frame,
+          }),
       longestStop: report.stops_are_proven ? report.longest_stop_seconds : null,
     };
   }
@@ -344,7 +400,9 @@ export class Solver {
     throw new Failure({
       what: textAt(this.abi.memory, this.abi.ib_error_what()),
       remedy: textAt(this.abi.memory, this.abi.ib_error_remedy()),
-      track, key, axis,
+      track,
+      key,
+      axis,
     });
   }
 }
@@ -376,9 +434,18 @@ function cornersOf(track: Track, byFrames: boolean): number[] {
 /** All that has limits: every axis, and behind them the motor of every axis with a calibration. */
 export function movedOf(move: Move): Moved[] {
   if (!move.rig) return [];
-  const axes = move.axes.map((axis, a): Moved => ({ name: axis.name, unit: axis.unit, limits: axis.limits!, axis: a, marks: [] }));
+  const axes = move.axes.map((axis, a): Moved => ({
+    name: axis.name,
+    unit: axis.unit,
+    limits: axis.limits!,
+    axis: a,
+    marks: [],
+  }));
   const motors = move.axes.flatMap(({ name, motor }, a): Moved[] =>
-    motor ? [{ name: `the motor of ${name}`, unit: motor.unit, limits: motor.limits, axis: a, marks: motor.marks }] : []);
+    motor
+      ? [{ name: `the motor of ${name}`, unit: motor.unit, limits: motor.limits, axis: a, marks: motor.marks }]
+      : [],
+  );
   return [...axes, ...motors];
 }
 

@@ -15,7 +15,10 @@ export class SpaceView {
   private turn = { azimuth: -0.9, elevation: 0.5, distance: 3.4 };
   axes: [number, number, number] = [0, 1, 2];
 
-  constructor(private readonly store: Store, private readonly place: HTMLElement) {
+  constructor(
+    private readonly store: Store,
+    private readonly place: HTMLElement,
+  ) {
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawFrame());
     new ResizeObserver(() => this.draw()).observe(place);
@@ -33,7 +36,10 @@ export class SpaceView {
       this.content = new three.Group();
       this.ground = new three.GridHelper(2, 10, 0x4a5160, 0x2b303a);
       this.ground.rotateX(Math.PI / 2);
-      this.marker = new three.Mesh(new three.SphereGeometry(0.035, 20, 14), new three.MeshBasicMaterial({ color: 0xffffff }));
+      this.marker = new three.Mesh(
+        new three.SphereGeometry(0.035, 20, 14),
+        new three.MeshBasicMaterial({ color: 0xffffff }),
+      );
       this.scene.add(this.ground, this.content, this.marker);
       this.place.append(this.renderer.domElement);
       this.listen();
@@ -52,13 +58,23 @@ export class SpaceView {
       canvas.addEventListener("pointermove", turn);
       canvas.addEventListener("pointerup", () => canvas.removeEventListener("pointermove", turn), { once: true });
     });
-    canvas.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      this.turnBy(0, 0, Math.exp(event.deltaY * 0.001));
-    }, { passive: false });
+    canvas.addEventListener(
+      "wheel",
+      (event) => {
+        event.preventDefault();
+        this.turnBy(0, 0, Math.exp(event.deltaY * 0.001));
+      },
+      { passive: false },
+    );
     canvas.addEventListener("keydown", (event) => {
-      const turn = { ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, 0.1, 1], ArrowDown: [0, -0.1, 1],
-        "+": [0, 0, 0.9], "-": [0, 0, 1.1] }[event.key];
+      const turn = {
+        ArrowLeft: [-0.1, 0, 1],
+        ArrowRight: [0.1, 0, 1],
+        ArrowUp: [0, 0.1, 1],
+        ArrowDown: [0, -0.1, 1],
+        "+": [0, 0, 0.9],
+        "-": [0, 0, 1.1],
+      }[event.key];
       if (!turn) return;
       event.preventDefault();
       event.stopPropagation();
@@ -100,10 +116,11 @@ export class SpaceView {
       }
       return [low, high];
     });
-    this.scale = (values, offset) => used.map((axis, i) => {
-      const [low, high] = ranges[i];
-      return axis < 0 || high === low ? (i === 2 ? -1 : 0) : (2 * (values[offset + axis] - low)) / (high - low) - 1;
-    }) as [number, number, number];
+    this.scale = (values, offset) =>
+      used.map((axis, i) => {
+        const [low, high] = ranges[i];
+        return axis < 0 || high === low ? (i === 2 ? -1 : 0) : (2 * (values[offset + axis] - low)) / (high - low) - 1;
+      }) as [number, number, number];
     for (const child of this.content.children as (Three.Line | Three.Mesh)[]) child.geometry.dispose();
     this.content.clear();
     this.figure = store.move.rig?.joints ? new RigFigure(three, store, this.content) : null;
@@ -111,14 +128,27 @@ export class SpaceView {
     this.ground.position.z = this.figure?.ground ?? -1;
     this.place.dataset.shows = this.figure ? "rig" : "axes";
     if (this.figure) return this.drawFrame();
-    const points = Array.from({ length: solved.path.length / axes }, (_, i) => new three.Vector3(...this.scale(solved.path, i * axes)));
-    this.content.add(new three.Line(new three.BufferGeometry().setFromPoints(points), new three.LineBasicMaterial({ color: 0x6ab0ff })));
+    const points = Array.from(
+      { length: solved.path.length / axes },
+      (_, i) => new three.Vector3(...this.scale(solved.path, i * axes)),
+    );
+    this.content.add(
+      new three.Line(
+        new three.BufferGeometry().setFromPoints(points),
+        new three.LineBasicMaterial({ color: 0x6ab0ff }),
+      ),
+    );
     const ticks: Three.Vector3[] = [];
     for (let f = 0; f < solved.table.length / solved.stride; ++f) {
       const point = new three.Vector3(...this.scale(solved.table, f * solved.stride + 4));
       ticks.push(point, point.clone().add(new three.Vector3(0, 0, 0.05)));
     }
-    this.content.add(new three.LineSegments(new three.BufferGeometry().setFromPoints(ticks), new three.LineBasicMaterial({ color: 0x9fb4d0 })));
+    this.content.add(
+      new three.LineSegments(
+        new three.BufferGeometry().setFromPoints(ticks),
+        new three.LineBasicMaterial({ color: 0x9fb4d0 }),
+      ),
+    );
     if (!track.path) {
       for (const [k, key] of track.keys.entries()) {
         const color = store.selection.keys.has(k) ? 0xffc14d : 0xe8ecf2;
@@ -150,7 +180,11 @@ export class SpaceView {
     if (width === 0 || height === 0) return;
     const { azimuth, elevation, distance } = this.turn;
     this.camera.aspect = width / height;
-    this.camera.position.set(distance * Math.cos(elevation) * Math.cos(azimuth), distance * Math.cos(elevation) * Math.sin(azimuth), distance * Math.sin(elevation));
+    this.camera.position.set(
+      distance * Math.cos(elevation) * Math.cos(azimuth),
+      distance * Math.cos(elevation) * Math.sin(azimuth),
+      distance * Math.sin(elevation),
+    );
     this.camera.lookAt(0, 0, this.figure ? 0 : -0.1);
     this.camera.updateProjectionMatrix();
     this.renderer.setSize(width, height, false);

@@ -24,7 +24,11 @@ export class SpeedView {
   private isPressing = false;
 
   /** `overText` says what is too high: beside the curve, where it is written over nothing. */
-  constructor(private readonly store: Store, place: HTMLElement, private readonly overText: HTMLElement) {
+  constructor(
+    private readonly store: Store,
+    place: HTMLElement,
+    private readonly overText: HTMLElement,
+  ) {
     this.root.append(this.red, this.polygon, this.cursor, this.band, this.handles);
     place.append(this.strokes.element, this.root);
     this.size = watchSize(place, () => this.draw());
@@ -71,7 +75,9 @@ export class SpeedView {
     this.strokes.stroke("speed", 2.2);
     this.drawCeiling(values);
     const f = Math.max(drawn.length - 1, 1);
-    attributes(this.polygon, { points: drawn.map((value, i) => `${this.x(i / f).toFixed(1)},${this.y(value).toFixed(1)}`).join(" ") });
+    attributes(this.polygon, {
+      points: drawn.map((value, i) => `${this.x(i / f).toFixed(1)},${this.y(value).toFixed(1)}`).join(" "),
+    });
     this.drawKnobs(drawn, f);
     this.drawCursor();
   }
@@ -120,8 +126,12 @@ export class SpeedView {
     }
     this.strokes.stroke("ceiling", 1.3, [7, 3]);
     attributes(this.red, { d: over });
-    const words = worst.axis < 0 ? "" : `${movedOf(this.store.move)[worst.axis].name}: ${quantities[worst.quantity]} ${
-      overInWords(worst)} near frame ${Math.round(worst.share * this.store.move.frames)}`;
+    const words =
+      worst.axis < 0
+        ? ""
+        : `${movedOf(this.store.move)[worst.axis].name}: ${quantities[worst.quantity]} ${overInWords(
+            worst,
+          )} near frame ${Math.round(worst.share * this.store.move.frames)}`;
     if (this.overText.textContent !== words) this.overText.textContent = words;
     attributes(this.overText, { title: words });
   }
@@ -162,8 +172,18 @@ export class SpeedView {
     while (this.knobs.length > values.length) this.knobs.pop()!.remove();
     while (this.knobs.length < values.length) {
       const i = this.knobs.length;
-      const knob = svg("g", { class: "value", role: "slider", "aria-orientation": "vertical", "aria-valuemin": 0, "aria-valuemax": max_control_value },
-        svg("circle", { r: 14, class: "grip" }), svg("rect", { x: -5, y: -5, width: 10, height: 10, rx: 2, class: "knob" }));
+      const knob = svg(
+        "g",
+        {
+          class: "value",
+          role: "slider",
+          "aria-orientation": "vertical",
+          "aria-valuemin": 0,
+          "aria-valuemax": max_control_value,
+        },
+        svg("circle", { r: 14, class: "grip" }),
+        svg("rect", { x: -5, y: -5, width: 10, height: 10, rx: 2, class: "knob" }),
+      );
       knob.addEventListener("pointerdown", (event) => this.press(event, i));
       knob.addEventListener("keydown", (event) => this.type(event, i));
       knob.addEventListener("focus", () => {
@@ -179,7 +199,8 @@ export class SpeedView {
       const frame = Math.round((i / f) * store.move.frames);
       attributes(this.knobs[i], {
         transform: `translate(${this.x(i / f).toFixed(1)} ${this.y(value).toFixed(1)})`,
-        "aria-label": `Control value ${i} of ${f}, at frame ${frame}`, "aria-valuenow": value,
+        "aria-label": `Control value ${i} of ${f}, at frame ${frame}`,
+        "aria-valuenow": value,
         tabindex: i === focusable ? 0 : -1,
         class: `value${selected.has(i) ? " selected" : ""}${fixed ? " fixed" : ""}`,
       });
@@ -209,18 +230,24 @@ export class SpeedView {
     const perPixel = this.top / (this.size.height - margin.top - margin.bottom);
     this.held = true;
     store.begin();
-    follow(event, (e) => {
-      const by = (from - e.clientY) * perPixel;
-      const coarse = e.altKey ? 0.01 : 0.1;
-      store.edit(setValues(start, index, (value, k) => (chosen.has(k) ? Math.round((value + by) / coarse) * coarse : value)));
-    }, (cancelled) => {
-      this.held = false;
-      if (cancelled) store.cancel();
-      else store.end();
-      const value = this.track.speed![i];
-      say(`Control value ${i}: ${value}`);
-      this.draw();
-    });
+    follow(
+      event,
+      (e) => {
+        const by = (from - e.clientY) * perPixel;
+        const coarse = e.altKey ? 0.01 : 0.1;
+        store.edit(
+          setValues(start, index, (value, k) => (chosen.has(k) ? Math.round((value + by) / coarse) * coarse : value)),
+        );
+      },
+      (cancelled) => {
+        this.held = false;
+        if (cancelled) store.cancel();
+        else store.end();
+        const value = this.track.speed![i];
+        say(`Control value ${i}: ${value}`);
+        this.draw();
+      },
+    );
   }
 
   private pressBackground(event: PointerEvent): void {
@@ -230,35 +257,48 @@ export class SpeedView {
     const x0 = event.clientX - left;
     const y0 = event.clientY - top;
     let drawn = false;
-    follow(event, (e) => {
-      const x1 = e.clientX - left;
-      const y1 = e.clientY - top;
-      drawn = drawn || Math.hypot(x1 - x0, y1 - y0) > 4;
-      if (!drawn) return;
-      this.band.removeAttribute("hidden");
-      attributes(this.band, { x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) });
-      const speed = this.track.speed ?? [];
-      const f = Math.max(speed.length - 1, 1);
-      const inside = speed.flatMap((value, i) => {
-        const [x, y] = [this.x(i / f), this.y(value)];
-        return x >= Math.min(x0, x1) && x <= Math.max(x0, x1) && y >= Math.min(y0, y1) && y <= Math.max(y0, y1) ? [i] : [];
-      });
-      store.select({ values: new Set(inside), keys: new Set() });
-    }, () => {
-      this.band.setAttribute("hidden", "");
-      if (!drawn) {
-        store.select({ values: new Set() });
-        const share = Math.min(Math.max(this.share(event.clientX), 0), 1);
-        store.setFrame(Math.round(share * store.move.frames));
-      }
-    });
+    follow(
+      event,
+      (e) => {
+        const x1 = e.clientX - left;
+        const y1 = e.clientY - top;
+        drawn = drawn || Math.hypot(x1 - x0, y1 - y0) > 4;
+        if (!drawn) return;
+        this.band.removeAttribute("hidden");
+        attributes(this.band, {
+          x: Math.min(x0, x1),
+          y: Math.min(y0, y1),
+          width: Math.abs(x1 - x0),
+          height: Math.abs(y1 - y0),
+        });
+        const speed = this.track.speed ?? [];
+        const f = Math.max(speed.length - 1, 1);
+        const inside = speed.flatMap((value, i) => {
+          const [x, y] = [this.x(i / f), this.y(value)];
+          return x >= Math.min(x0, x1) && x <= Math.max(x0, x1) && y >= Math.min(y0, y1) && y <= Math.max(y0, y1)
+            ? [i]
+            : [];
+        });
+        store.select({ values: new Set(inside), keys: new Set() });
+      },
+      () => {
+        this.band.setAttribute("hidden", "");
+        if (!drawn) {
+          store.select({ values: new Set() });
+          const share = Math.min(Math.max(this.share(event.clientX), 0), 1);
+          store.setFrame(Math.round(share * store.move.frames));
+        }
+      },
+    );
   }
 
   private insertAt(event: MouseEvent): void {
     const speed = this.track.speed;
     if (!speed) return;
     const { top } = this.root.getBoundingClientRect();
-    const value = (this.size.height - margin.bottom - (event.clientY - top)) * (this.top / (this.size.height - margin.top - margin.bottom));
+    const value =
+      (this.size.height - margin.bottom - (event.clientY - top)) *
+      (this.top / (this.size.height - margin.top - margin.bottom));
     const index = Math.min(Math.max(Math.ceil(this.share(event.clientX) * (speed.length - 1)), 1), speed.length - 1);
     insertValue(this.store, index, value);
   }
@@ -280,22 +320,47 @@ export class SpeedView {
     };
     const step = event.shiftKey ? 5 : event.altKey ? 0.05 : 0.5;
     switch (event.key) {
-      case "ArrowLeft": go(i - 1); break;
-      case "ArrowRight": go(i + 1); break;
-      case "ArrowUp": change(step); break;
-      case "ArrowDown": change(-step); break;
-      case "PageUp": change(10); break;
-      case "PageDown": change(-10); break;
-      case "Home": go(0); break;
-      case "End": go(speed.length - 1); break;
-      case "Insert": case "i": insertValue(store, i + 1); break;
-      case "Delete": case "Backspace": removeValues(store); break;
-      case " ": store.selectValue(i, true); break;
+      case "ArrowLeft":
+        go(i - 1);
+        break;
+      case "ArrowRight":
+        go(i + 1);
+        break;
+      case "ArrowUp":
+        change(step);
+        break;
+      case "ArrowDown":
+        change(-step);
+        break;
+      case "PageUp":
+        change(10);
+        break;
+      case "PageDown":
+        change(-10);
+        break;
+      case "Home":
+        go(0);
+        break;
+      case "End":
+        go(speed.length - 1);
+        break;
+      case "Insert":
+      case "i":
+        insertValue(store, i + 1);
+        break;
+      case "Delete":
+      case "Backspace":
+        removeValues(store);
+        break;
+      case " ":
+        store.selectValue(i, true);
+        break;
       case "a":
         if (!(event.ctrlKey || event.metaKey)) return;
         store.select({ values: new Set(speed.keys()), keys: new Set() });
         break;
-      default: return;
+      default:
+        return;
     }
     event.preventDefault();
     event.stopPropagation();

@@ -29,7 +29,10 @@ export class Store {
   private readonly frameListeners: (() => void)[] = [];
   onCommit: () => void = () => {};
 
-  constructor(readonly solver: Solver, move: Move) {
+  constructor(
+    readonly solver: Solver,
+    move: Move,
+  ) {
     this.move = move;
     this.states = [move];
     this.saved = move;

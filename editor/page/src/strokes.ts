@@ -34,7 +34,8 @@ for (const query of ["(prefers-contrast: more)", "(forced-colors: active)"]) {
 /** A colour of style.css. */
 export function color(name: string): string {
   let value = colors.get(name);
-  if (value === undefined) colors.set(name, value = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  if (value === undefined)
+    colors.set(name, (value = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()));
   return value;
 }
 

@@ -14,19 +14,27 @@ export class TimeBar {
   private readonly marks: SVGPathElement[] = [];
   private readonly size: Readonly<Size>;
 
-  constructor(private readonly store: Store, section: HTMLElement) {
+  constructor(
+    private readonly store: Store,
+    section: HTMLElement,
+  ) {
     this.root.append(this.keys, this.cursor);
     this.place.append(this.strokes.element, this.root);
     section.append(
       button("◀", "Meet the selected keys one frame earlier ([)", () => shiftKeys(store, -1), "earlier"),
       this.place,
-      button("▶", "Meet the selected keys one frame later (])", () => shiftKeys(store, 1), "later"));
+      button("▶", "Meet the selected keys one frame later (])", () => shiftKeys(store, 1), "later"),
+    );
     this.size = watchSize(this.place, () => this.draw());
     store.onChange(() => this.draw());
     store.onFrame(() => this.drawCursor());
     this.root.addEventListener("pointerdown", (event) => {
       this.scrub(event);
-      follow(event, (e) => this.scrub(e), () => {});
+      follow(
+        event,
+        (e) => this.scrub(e),
+        () => {},
+      );
     });
     this.root.addEventListener("keydown", (event) => this.type(event));
   }
@@ -80,7 +88,10 @@ export class TimeBar {
     const { pen } = this.strokes;
     const isOver = (f: number): boolean =>
       cells !== undefined && rateAt(cells, f, certificate!.firstFrame, certificate!.lastFrame) < 1;
-    for (const [over, color, thick] of [[false, "stripes", 1], [true, "over", 2]] as const) {
+    for (const [over, color, thick] of [
+      [false, "stripes", 1],
+      [true, "over", 2],
+    ] as const) {
       for (let f = 0; f <= frames; ++f) {
         if (isOver(f) !== over) continue;
         const x = this.x(f);
@@ -94,8 +105,10 @@ export class TimeBar {
     while (this.marks.length < keys.length) this.marks.push(this.mark(this.marks.length));
     for (const [k, key] of keys.entries()) {
       const x = this.x(solved.keyFrames[k] ?? 0);
-      attributes(this.marks[k], { transform: `translate(${x.toFixed(1)} ${height - 11})`,
-        class: `${store.selection.keys.has(k) ? "selected " : ""}${key.frame !== null ? "locked" : ""}` });
+      attributes(this.marks[k], {
+        transform: `translate(${x.toFixed(1)} ${height - 11})`,
+        class: `${store.selection.keys.has(k) ? "selected " : ""}${key.frame !== null ? "locked" : ""}`,
+      });
     }
     attributes(this.root, { "aria-valuemin": 0, "aria-valuemax": store.move.frames });
     this.drawCursor();
