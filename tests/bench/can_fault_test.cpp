@@ -251,29 +251,10 @@ TEST(CanFault, ADriveWhoseHeartbeatConsumerCannotBeSetIsRefused) {
 }
 
 // docs/faults.md 29
-TEST(CanFault, ADriveThatDoesNothingWithoutThisProgramIsRefused) {
-  const BusScene scene = scene_with(fixed("pan", 0x6007, 0, 0));
-  expect_refused_at_arming(scene, "pan", "the drive would not brake if this program died");
-}
-
-// docs/faults.md 29
 TEST(CanFault, ADriveThatDoesNotSayWhatItDoesWithoutThisProgramIsRefused) {
   const BusScene scene = scene_with(fault("pan", "no-object", "object = 0x6007"));
   expect_refused_at_arming(scene, "pan", "the drive does not say what it does if this program dies");
   EXPECT_THAT(scene.run.out, HasSubstr("write on_host_lost = \"stops\" for the axis"));
-}
-
-TEST(CanFault, ADriveThatWouldCoastIsRefused) {
-  const BusScene scene = scene_with(fixed("tilt", 0x605E, 0, 0));
-  expect_refused_at_arming(scene, "tilt", "the drive would switch its motor off at once where it must brake");
-  EXPECT_THAT(scene.run.out, HasSubstr("write coasts = true"));
-}
-
-TEST(CanFault, ADriveThatBrakesByAnotherRampThanTheRigIsRefused) {
-  const BusScene scene = scene_with(fixed("slide", 0x6085, 0, 500'000));
-  expect_refused_at_arming(scene, "slide",
-                           "the drive brakes by another deceleration than the axis has in the rig");
-  EXPECT_THAT(scene.run.out, HasSubstr("is 500000 (7A120h), not 1200000 (124F80h)"));
 }
 
 TEST(CanFault, ADriveThatFallsSilentWhileItIsSetUpIsSaidToBeSilent) {

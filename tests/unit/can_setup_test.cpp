@@ -56,6 +56,9 @@ TEST_F(BrakesOfNode5, ADriveThatWouldCoastIsRefusedUnlessItsAxisMay) {
     fix(index, 2, 0);
     setup.coasts = false;
     expect_refused(DriveFinding::would_coast, index, 0);
+    EXPECT_STREQ(
+        words_of(DriveFinding::would_coast).what,
+        "the drive would switch its motor off at once where it must brake, and the axis would coast");
     EXPECT_EQ(runner.refusal().abort_code, abort_read_only);
     objects = DriveObjects();
     objects.set(index, 0, 2, 0);
@@ -113,6 +116,8 @@ TEST_F(BrakesOfNode5, ADriveThatGoesOnWithoutItsHostIsAlwaysRefused) {
     setup.stops_without_host = coasts;
     fix(0x6007, 2, 0);
     expect_refused(DriveFinding::host_loss_unbraked, 0x6007, 0);
+    EXPECT_STREQ(words_of(DriveFinding::host_loss_unbraked).what,
+                 "the drive would not brake if this program died");
     fix(0x6007, 2, 0xFFFF);
     expect_refused(DriveFinding::host_loss_unbraked, 0x6007, 0xFFFF);
   }
@@ -143,6 +148,8 @@ TEST_F(BrakesOfNode5, TheDecelerationOfAQuickStopIsWrittenOrCompared) {
   for (const std::uint32_t other : {0U, 1'175'999U, 1'224'001U, 0xFFFFFFFFU}) {
     fix(0x6085, 4, other);
     expect_refused(DriveFinding::stop_differs, 0x6085, other);
+    EXPECT_STREQ(words_of(DriveFinding::stop_differs).what,
+                 "the drive brakes by another deceleration than the axis has in the rig");
     EXPECT_EQ(runner.refusal().expected, 1'200'000U);
   }
   setup.quick_stop_deceleration = 0xFFFFFFFF;
