@@ -192,6 +192,22 @@ TEST(OdriveOnABus, ARestartIsStillARestart) {
   EXPECT_TRUE(axis.port->has_forgotten(0));
 }
 
+/// Switched off in motion it is held until it rests, for seconds where it does not come to rest.
+TEST(OdriveOnABus, OneThatGetsAwayWhileItIsSwitchedOffLosesItsPowerAtOnce) {
+  for (const bool gets_away : {false, true}) {
+    Axis axis;
+    ASSERT_TRUE(axis.switch_on());
+    axis.from = axis.state.actual;
+    for (int tick = 0; tick <= 60; ++tick) axis.tick(axis.swing(tick * 0.004));
+    axis.port->disable();
+    axis.tick();
+    ASSERT_TRUE(axis.has_power()) << "it is held until it rests";
+    if (gets_away) axis.port->stop_one(0, OwnStop::cut);
+    axis.ticks(3);
+    EXPECT_EQ(axis.has_power(), !gets_away);
+  }
+}
+
 TEST(OdriveOnABus, OneThatSendsHeartbeatsAndNoEstimatesIsToldThatAndIsLetGo) {
   Axis axis;
   axis.drive->add_trouble({.kind = DriveTrouble::Kind::lose_feedback});

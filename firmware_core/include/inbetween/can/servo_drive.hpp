@@ -61,7 +61,9 @@ class ServoDrive {
   bool disable(std::int64_t now_ns) { return apply(DriveEvent::disable, now_ns); }
   /// One that is being switched off already goes on with that.
   bool cut(std::int64_t now_ns) {
-    if (phase() != DrivePhase::disabling) power_off_ = PowerOff::cut;
+    // One that is held until it rests, or brakes by its own watchdog, must not get away meanwhile.
+    if (phase() == DrivePhase::disabling) order_.give(ServoOrder::switch_off);
+    power_off_ = PowerOff::cut;
     return disable(now_ns);
   }
   bool leave(std::int64_t now_ns) { return apply(DriveEvent::leave, now_ns); }
