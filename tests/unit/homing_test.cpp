@@ -365,6 +365,9 @@ TEST(Homing, IllegalSpecsAreRefused) {
   bad = good;
   bad.slow = 41;
   EXPECT_FALSE(is_legal(bad)) << "slower fast than slow";
+  Spec even = good;
+  even.slow = even.fast;
+  EXPECT_TRUE(is_legal(even));
   bad = good;
   bad.home.quiet_ns = 0;
   EXPECT_FALSE(is_legal(bad));

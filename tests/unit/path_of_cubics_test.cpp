@@ -61,6 +61,9 @@ TEST(PathOfCubics, WhatDoesNotGoTogetherIsRefused) {
   Halves missing_part;
   missing_part.knots[1].part = 0;
   EXPECT_EQ(missing_part.error(), ErrorCode::out_of_range);
+  Halves too_long;
+  too_long.knots[1].length = 2;
+  EXPECT_EQ(too_long.error(), ErrorCode::out_of_range);
   Halves missing_key;
   missing_key.key_count = 3;
   EXPECT_EQ(missing_key.error(), ErrorCode::out_of_range);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "host_tools/text/diagnostics.hpp"
 #include "inbetween/can/little_endian.hpp"
@@ -66,6 +67,15 @@ TEST(RmdPosition, ATargetBeyondItsBitsIsNotSent) {
   EXPECT_FALSE(rmd.command({.turns = can::rmd_max_turns + 1}));
   EXPECT_FALSE(rmd.command({.turns = std::nan("")}));
   EXPECT_FALSE(can::ServoDrive<Rmd>::target_of(-60'000.0, 0.0, 0.0));
+}
+
+TEST(RmdPosition, IsTheNearestHundredthOfADegree) {
+  const Rmd rmd = *Rmd::make({.motor = motor, .max_deg_per_s = 100, .hold_deg_per_s = 5});
+  for (const auto& [steps, nearest] : {std::pair{0.6, 1}, {0.4, 0}, {-0.6, -1}, {-0.4, 0}, {7.7, 8}}) {
+    const auto frame = rmd.command({.turns = steps / can::rmd_steps_per_turn});
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(can::read_rmd_position(*frame, motor)->steps, nearest) << steps;
+  }
 }
 
 // Whatever arrives: what has been understood means the same when it is written again.

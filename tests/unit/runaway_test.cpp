@@ -125,6 +125,16 @@ TEST(AxisWatch, WhatLeavesItsRangeGetsAwayAndWhatStandsOutsideDoesNot) {
   EXPECT_TRUE(outside.watch.gets_away());
 }
 
+TEST(AxisWatch, TheNoiseOfAnEncoderIsNoSpeed) {
+  Watched axis;
+  for (int i = 0; i < 100; ++i) {
+    axis.place = i % 2 == 0 ? 0.2 : 0;
+    axis.watch.look(axis.place, axis.now_ns += tick_ns);
+    if (i < 20) continue;  // it has not seen 25 ms twice
+    EXPECT_LE(axis.watch.speed(), 0.2 / 0.025) << "over 25 ms at least, and not from tick to tick";
+  }
+}
+
 TEST(AxisWatch, ItsSpeedIsThatOfTheLastFiftyMillisecondsAndAStandIsSeenAtOnce) {
   Watched axis;
   axis.go(30, 40);

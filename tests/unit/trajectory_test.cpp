@@ -125,6 +125,10 @@ TEST_P(EveryTimingAsATrajectory, IsJoinedByTheTrajectoryOfItsRolls) {
     const TrajectoryMemory memory{piece, values, bucket, {}, {}, {}, {}};
     const Result<Trajectory> rolled = roll_trajectory(roll, memory);
     ASSERT_TRUE(rolled.has_value());
+    const Result<Trajectory> none =
+        roll_trajectory(roll, {piece, std::span(values).first(roll.size()), bucket, {}, {}, {}, {}});
+    ASSERT_FALSE(none.has_value());
+    EXPECT_EQ(none.error().needed, static_cast<std::int64_t>(6 * roll.size()));
     const double frames = frames_between(rolled->begin(), rolled->end());
     Motions played;
     for (int k = 0; k <= 400; ++k) {
