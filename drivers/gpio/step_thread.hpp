@@ -25,7 +25,7 @@ class StepThread {
   StepThread(const StepThread&) = delete;
   StepThread& operator=(const StepThread&) = delete;
 
-  /// As RealTimeThread has them; none without a request.
+  /// They are as RealTimeThread has them; there are none without a request.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
 
  private:

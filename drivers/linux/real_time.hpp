@@ -10,7 +10,7 @@
 
 namespace inbetween {
 
-/// What a thread requests of Linux, so that it wakes up when it should.
+/// A thread requests this of Linux, so that it wakes up when it should.
 struct RealTimeRequest {
   int priority = 80;                      ///< SCHED_FIFO, 1 to 99
   std::optional<int> cpu = std::nullopt;  ///< the only processor to run on; none: any
@@ -41,7 +41,7 @@ class RealTimeThread {
   RealTimeThread(const RealTimeThread&) = delete;
   RealTimeThread& operator=(const RealTimeThread&) = delete;
 
-  /// In the order in which they were asked for; the processor and locked memory only if requested.
+  /// They stand in the order in which they were asked for; processor and locked memory only if requested.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
   /// Whether everything was obtained that a loop which drives motors needs.
   [[nodiscard]] bool is_fit() const;

@@ -1,4 +1,4 @@
-// What the page and the solver hand to each other by name. Each list below is the only one of its fields on
+// The page and the solver hand these to each other by name. Each list below is the only one of its fields on
 // this side: the structures are made of it, and so is the table of names and offsets that the page reads when
 // it starts. editor/page/src/records.ts is the other side, and refuses a module whose names are not its own.
 #pragma once
@@ -62,8 +62,9 @@ namespace inbetween::editor {
   FIELD(record, double, constant)                 \
   FIELD(record, double, total_integral)
 
-/// What is proven of the move: first and last frame with the rolls, sizes, and the first breach, whose kind
-/// is BreachKind counted from 1, and 0 where the move fits. Without limits all but the frames is 0.
+/// It says what is proven of the move: first and last frame with the rolls, sizes, and the first breach,
+/// whose kind is BreachKind counted from 1, and 0 where the move fits. Without limits all but the frames is
+/// 0.
 #define INBETWEEN_MOVE_REPORT(FIELD, record)     \
   FIELD(record, std::int32_t, first_frame)       \
   FIELD(record, std::int32_t, last_frame)        \

@@ -111,7 +111,7 @@ class TimedRunner {
   TimedRunner(const TimedRunner&) = delete;
   TimedRunner& operator=(const TimedRunner&) = delete;
 
-  /// The rights that the thread was refused; empty without wishes.
+  /// The rights that the thread was refused; they are empty without a request.
   [[nodiscard]] const std::vector<RealTimeRight>& rights() const { return rights_; }
   /// Until it is over. Where the audience throws, somebody wants to leave: the act is told so, and what was
   /// thrown is thrown on once the act is over, since the thread uses it until then.

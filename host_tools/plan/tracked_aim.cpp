@@ -101,7 +101,7 @@ class Tracking {
       step_s_ = 1 / (per_frame_ * drawn_.frame_rate().frames_per_second());
       steps_ = static_cast<std::size_t>(drawn_.frames()) * static_cast<std::size_t>(per_frame_);
       if (steps_ < 8) continue;
-      if (steps_ > max_time_steps || most_frames_between_keys() * per_frame_ > max_aim_parts) break;
+      if (steps_ > max_time_steps || max_frames_between_keys() * per_frame_ > max_aim_parts) break;
       if (drawn_off() > off_m_) continue;
       sample();
       FollowedPath path = build();
@@ -138,7 +138,7 @@ class Tracking {
   static double cube(double x) { return x * x * x; }
   [[nodiscard]] double drawn_off() const { return max_jerk_ * cube(step_s_) / 4; }
 
-  [[nodiscard]] std::int32_t most_frames_between_keys() const {
+  [[nodiscard]] std::int32_t max_frames_between_keys() const {
     std::int32_t longest = 0;
     for (std::size_t k = 1; k < key_frames_.size(); ++k) {
       longest = std::max(longest, key_frames_[k] - key_frames_[k - 1]);

@@ -125,9 +125,9 @@ class DriveFindings {
   std::uint64_t bits_ = 0;
 };
 
-/// What was found at a drive since somebody has seen it. A finding stays until it is acknowledged; it lasts
-/// where it was found again in the present tick. A bad frame is no finding before there are too many of them,
-/// and is forgiven in time. O(1).
+/// It keeps what was found at a drive since somebody has seen it. A finding stays until it is acknowledged;
+/// it lasts where it was found again in the present tick. A bad frame is no finding before there are too many
+/// of them, and is forgiven in time. O(1).
 class FindingLog {
  public:
   /// Bad frames that are still no finding; one is forgiven in every `ticks`.
