@@ -2,9 +2,7 @@
 // in the records and the two arrays of Exchange; a function answers 1, or 0 after an error, which ib_error
 // then tells.
 #include <algorithm>
-#include <cmath>
 #include <optional>
-#include <string_view>
 
 #include "editor/solver/session.hpp"
 #include "inbetween/base/hash.hpp"

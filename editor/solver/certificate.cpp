@@ -1,6 +1,5 @@
 #include "editor/solver/certificate.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -1,8 +1,6 @@
 #include "host_tools/check/check.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 #include "host_tools/check/check_refusals.hpp"

@@ -1,10 +1,8 @@
 // How a plan can be stopped on its rig: the core's stop bounds with memory from the heap.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "host_tools/plan/bounded_move.hpp"

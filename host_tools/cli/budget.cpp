@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
@@ -17,7 +16,6 @@
 #include "inbetween/timing/key_timing.hpp"
 #include "inbetween/timing/track.hpp"
 #include "inbetween/trajectory/count_trajectory.hpp"
-#include "inbetween/trajectory/fit.hpp"
 
 namespace inbetween {
 namespace {

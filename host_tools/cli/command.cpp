@@ -1,15 +1,11 @@
 #include "host_tools/cli/command.hpp"
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "host_tools/joints/kinematics.hpp"
 #include "host_tools/plan/turns.hpp"
-#include "host_tools/plot/plot_canvas.hpp"
 #include "host_tools/rig/eds_drive.hpp"
 
 namespace inbetween {

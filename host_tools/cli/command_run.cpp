@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -15,7 +14,6 @@
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/held_keys.hpp"
-#include "host_tools/cli/position_arguments.hpp"
 #include "host_tools/cli/run_picture.hpp"
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"

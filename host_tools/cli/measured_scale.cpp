@@ -6,7 +6,6 @@
 #include <iostream>
 #include <optional>
 #include <string_view>
-#include <type_traits>
 #include <variant>
 
 #include "drivers/linux/interrupt_watch.hpp"

@@ -1,7 +1,6 @@
 // An axis moves by a stated distance, somebody measures it, and the factor of its scale follows.
 #pragma once
 
-#include <cstddef>
 #include <string>
 
 #include "host_tools/cli/setup_arguments.hpp"

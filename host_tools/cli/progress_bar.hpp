@@ -1,7 +1,6 @@
 // A progress bar on a terminal, and nothing in a pipe.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 namespace inbetween {

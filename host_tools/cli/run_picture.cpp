@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <optional>

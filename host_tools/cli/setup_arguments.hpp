@@ -2,12 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/loop/rig_session.hpp"
 
 namespace inbetween {

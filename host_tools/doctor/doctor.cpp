@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <variant>
 #include <vector>
 
 #include "host_tools/doctor/bus_checks.hpp"

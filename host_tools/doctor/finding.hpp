@@ -5,8 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "drivers/refusal.hpp"
-
 namespace inbetween {
 
 enum class Verdict {

@@ -6,13 +6,10 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <chrono>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "host_tools/edit/connection_threads.hpp"
 #include "host_tools/edit/edit_knock.hpp"

@@ -2,7 +2,6 @@
 // speaks of neighbours only.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>

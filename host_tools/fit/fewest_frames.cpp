@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "host_tools/fit/control_curve.hpp"
 

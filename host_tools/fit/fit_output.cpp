@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 
 #include "host_tools/text/diagnostics.hpp"

@@ -2,7 +2,6 @@
 // one start.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <optional>
 #include <span>

@@ -1,7 +1,6 @@
 // Inverse kinematics of camera cranes and remote heads without iteration.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>

@@ -1,7 +1,6 @@
 #include "host_tools/joints/tip_deviation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -5,9 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "host_tools/joints/kinematics.hpp"
 #include "inbetween/path/path.hpp"

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "host_tools/check/check.hpp"
 #include "host_tools/loop/manual_motion.hpp"

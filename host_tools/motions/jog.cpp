@@ -1,7 +1,6 @@
 #include "host_tools/motions/jog.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>

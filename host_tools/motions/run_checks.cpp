@@ -7,10 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "host_tools/check/check.hpp"
-#include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig_model/rig_motors.hpp"
 #include "host_tools/text/diagnostics.hpp"
 #include "inbetween/loop/motion_loop.hpp"

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <deque>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <span>
 #include <tuple>
 #include <vector>

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "host_tools/move_model/move_file.hpp"
 #include "host_tools/text/toml_value.hpp"

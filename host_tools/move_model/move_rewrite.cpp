@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "host_tools/move_model/key_list_text.hpp"
-#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/move_model/speed_rewrite.hpp"
 #include "host_tools/text/diagnostics.hpp"
 #include "host_tools/text/text_changes.hpp"

@@ -3,15 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <functional>
 #include <iterator>
 #include <stdexcept>
-#include <utility>
-#include <vector>
 
-#include "host_tools/move_model/move_file.hpp"
-#include "host_tools/text/diagnostics.hpp"
 #include "host_tools/text/text_changes.hpp"
 #include "host_tools/text/toml_source.hpp"
 

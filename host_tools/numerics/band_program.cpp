@@ -6,8 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "host_tools/numerics/band_matrix.hpp"
-
 namespace inbetween {
 namespace {
 

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
 #include "host_tools/numerics/hypotenuse.hpp"
 #include "host_tools/plan/frame_of_distance.hpp"

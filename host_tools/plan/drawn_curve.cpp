@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "host_tools/plan/solved_track.hpp"
-#include "inbetween/timing/speed_profile.hpp"
 
 namespace inbetween {
 namespace {

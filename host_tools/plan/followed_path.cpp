@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "host_tools/joints/tip_deviation.hpp"
 #include "host_tools/numerics/hypotenuse.hpp"
 #include "host_tools/plan/cubic_part.hpp"
 #include "host_tools/plan/row_spline.hpp"

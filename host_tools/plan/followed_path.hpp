@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "host_tools/joints/kinematics.hpp"
-#include "host_tools/joints/tip_deviation.hpp"
 #include "inbetween/path/path.hpp"
 
 namespace inbetween {

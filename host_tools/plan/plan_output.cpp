@@ -2,13 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "host_tools/plan/link_rows.hpp"

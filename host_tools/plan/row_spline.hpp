@@ -1,7 +1,6 @@
 // Cubic splines through given values, in the form that a path has.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 

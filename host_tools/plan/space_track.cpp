@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "host_tools/plan/axes_in_space.hpp"

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "host_tools/joints/tip_deviation.hpp"
 #include "host_tools/joints/vector_length.hpp"

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "host_tools/plan/axes_in_space.hpp"
 #include "host_tools/plan/link_in_time.hpp"
 
 namespace inbetween {

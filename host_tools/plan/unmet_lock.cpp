@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstddef>
-#include <utility>
 
 #include "inbetween/timing/integral_row.hpp"
 

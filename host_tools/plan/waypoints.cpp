@@ -1,6 +1,5 @@
 #include "host_tools/plan/waypoints.hpp"
 
-#include <cmath>
 #include <cstddef>
 #include <optional>
 

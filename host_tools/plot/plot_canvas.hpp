@@ -1,7 +1,6 @@
 // A page to draw on, in pixels from the upper left corner, written as SVG, PNG or PDF by cairo.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>

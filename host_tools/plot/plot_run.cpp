@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <vector>
 
 #include "host_tools/plot/plot_line.hpp"
 #include "host_tools/plot/plot_page.hpp"

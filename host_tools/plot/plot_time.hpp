@@ -1,9 +1,6 @@
 // The parts of a plot that show time: the speed curve, the time bar and the axes' positions.
 #pragma once
 
-#include <cstddef>
-#include <span>
-
 #include "host_tools/plot/plot.hpp"
 #include "host_tools/plot/plot_canvas.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "drivers/can/socket_can.hpp"
 #include "drivers/gpio/step_player.hpp"
-#include "inbetween/can/cia402_drive.hpp"
-#include "inbetween/can/cia402_port.hpp"
+#include "inbetween/can/bus_port.hpp"
+#include "inbetween/can/drive_counters.hpp"
 #include "inbetween/steps/cue_timer.hpp"
 #include "inbetween/steps/step_generator.hpp"
 

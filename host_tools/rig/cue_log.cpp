@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <iterator>
 
 #include "host_tools/text/csv_field.hpp"

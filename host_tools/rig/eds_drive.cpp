@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "host_tools/rig/cia402_kind.hpp"
 #include "host_tools/rig_model/rig_motors.hpp"

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "host_tools/rig_model/rig_file.hpp"
-#include "host_tools/text/diagnostics.hpp"
 #include "sim/drive_trouble.hpp"
 
 namespace inbetween {

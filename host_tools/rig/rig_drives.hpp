@@ -1,7 +1,6 @@
 // The drives of a rig file under the motion loop.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>

@@ -16,8 +16,6 @@
 #include <string_view>
 #include <vector>
 
-#include "host_tools/text/diagnostics.hpp"
-
 namespace inbetween {
 
 inline constexpr std::size_t max_eds_objects = 20'000;

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <utility>
 
 #include "drivers/linux/line_pipe.hpp"
 #include "inbetween/limits/limits.hpp"

@@ -8,8 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "inbetween/limits/limits.hpp"
-
 namespace inbetween {
 namespace {
 

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <memory>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 namespace inbetween {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "host_tools/text/spelling.hpp"
 #include "host_tools/text/toml_source.hpp"
