@@ -1,16 +1,12 @@
 // What a protocol of drives on a CAN bus brings to the host tools, and the list of all of them.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "host_tools/rig/cia402_kind.hpp"
-#include "host_tools/rig/cubemars_kind.hpp"
-#include "host_tools/rig/moteus_kind.hpp"
-#include "host_tools/rig/odrive_kind.hpp"
-#include "host_tools/rig/rmd_kind.hpp"
+#include "host_tools/rig/servo_kinds.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/loop/axis_watch.hpp"
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "host_tools/rig/eds_drive.hpp"
 #include "host_tools/text/diagnostics.hpp"

@@ -1,14 +1,10 @@
-#include "host_tools/rig/cubemars_kind.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/rig/servo_kind.hpp"
-#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/rig/servo_kinds.hpp"
 #include "inbetween/can/bus_load.hpp"
-#include "inbetween/loop/tick_time.hpp"
 #include "sim/cubemars_drive.hpp"
 
 namespace inbetween {
@@ -44,32 +40,25 @@ can::CubemarsSettings cubemars_settings_of(const RigAxis& axis) {
 
 }  // namespace
 
-CubemarsKind::Bus::Drive CubemarsKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
-  const CubemarsDrive& drive = std::get<CubemarsDrive>(axis.drive);
-  can::ServoSettings settings =
-      servo_settings_of(axis, drive.turns_per_unit, drive.follow.max_following_error, rate_hz);
+CubemarsKind::Host CubemarsKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
+  can::ServoSettings settings = servo_settings_of(axis, rate_hz);
   set_noise(settings, 2 / cubemars_steps_per_turn);
   const can::Cubemars motor =
       value_or_refuse(can::Cubemars::make(cubemars_settings_of(axis)), axis.place, named(axis));
-  return value_or_refuse(Bus::Drive::make(motor, settings), axis.place, named(axis));
+  return value_or_refuse(Host::make(motor, settings), axis.place, named(axis));
 }
 
-CubemarsKind::Bus CubemarsKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*rate_hz*/,
-                                       const RigAxis& first) {
-  return value_or_refuse(Bus::make(hosts), first.place, named(first));
-}
-
-std::string CubemarsKind::detail_of(const Bus::Drive& host, can::DriveFinding /*finding*/) {
+std::string CubemarsKind::detail_of(const Host& host, can::DriveFinding /*finding*/) {
   const std::uint32_t error = host.last_errors();
   if (error == 0) return "";
   return fmt::format(" (error {}: {})", error, can::words_of_cubemars_error(error));
 }
 
-std::vector<std::string> CubemarsKind::lacks_of(const Bus::Drive& /*host*/) {
+std::vector<std::string> CubemarsKind::lacks_of(const Host& /*host*/) {
   return {std::string(words_without_watchdog)};
 }
 
-std::string CubemarsKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {
+std::string CubemarsKind::fitness_of(const Host& host, std::int32_t /*rate_hz*/) {
   return fmt::format("motor {} tells where it is and has no watchdog, which the rig accepts",
                      host.protocol().motor().value());
 }

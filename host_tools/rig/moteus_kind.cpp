@@ -1,12 +1,9 @@
-#include "host_tools/rig/moteus_kind.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/rig/servo_kind.hpp"
-#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/rig/servo_kinds.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/loop/tick_time.hpp"
 #include "sim/moteus_drive.hpp"
@@ -45,27 +42,19 @@ std::vector<can::CanFilter> filters_for(std::uint32_t receiver) {
 
 }  // namespace
 
-MoteusKind::Bus::Drive MoteusKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
-  const MoteusDrive& drive = std::get<MoteusDrive>(axis.drive);
-  can::ServoSettings settings =
-      servo_settings_of(axis, drive.turns_per_unit, drive.follow.max_following_error, rate_hz);
+MoteusKind::Host MoteusKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
+  can::ServoSettings settings = servo_settings_of(axis, rate_hz);
   settings.place_timeout_ns = std::max(min_answer_wait_ns, answers_waited_for * ns_per_s / rate_hz);
   settings.status_timeout_ns = settings.place_timeout_ns;
   const double watchdog_s = static_cast<double>(moteus_watchdog_ns(rate_hz)) / static_cast<double>(ns_per_s);
-  return value_or_refuse(
-      Bus::Drive::make(can::Moteus({.node = moteus_node_of(axis),
-                                    .watchdog_s = watchdog_s,
-                                    .must_know_place = axis.reference == Reference::by_drive}),
-                       settings),
-      axis.place, named(axis));
+  return value_or_refuse(Host::make(can::Moteus({.node = moteus_node_of(axis),
+                                                 .watchdog_s = watchdog_s,
+                                                 .must_know_place = axis.reference == Reference::by_drive}),
+                                    settings),
+                         axis.place, named(axis));
 }
 
-MoteusKind::Bus MoteusKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*rate_hz*/,
-                                   const RigAxis& first) {
-  return value_or_refuse(Bus::make(hosts), first.place, named(first));
-}
-
-std::string MoteusKind::detail_of(const Bus::Drive& host, can::DriveFinding finding) {
+std::string MoteusKind::detail_of(const Host& host, can::DriveFinding finding) {
   if (finding == can::DriveFinding::wrong_firmware) {
     return fmt::format(" (its registers are of version {}, and this program knows version {})",
                        host.version(), can::moteus_map_version);
@@ -77,7 +66,7 @@ std::string MoteusKind::detail_of(const Bus::Drive& host, can::DriveFinding find
                      is_mode ? error - can::moteus_mode_error : error, can::words_of_moteus_error(error));
 }
 
-std::string MoteusKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {
+std::string MoteusKind::fitness_of(const Host& host, std::int32_t /*rate_hz*/) {
   const can::Moteus::Settings& its = host.protocol().settings();
   return fmt::format(
       "node {} has registers of version {}, a watchdog of {:.0f} ms with every command, and told "

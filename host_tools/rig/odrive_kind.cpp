@@ -1,5 +1,3 @@
-#include "host_tools/rig/odrive_kind.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,8 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "host_tools/rig/servo_kind.hpp"
-#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/rig/servo_kinds.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "sim/odrive_drive.hpp"
 
@@ -39,20 +36,13 @@ const char* words_of_error_06(std::uint32_t bit) {
 
 }  // namespace
 
-OdriveKind::Bus::Drive OdriveKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
-  const OdriveDrive& drive = std::get<OdriveDrive>(axis.drive);
-  return value_or_refuse(Bus::Drive::make(can::Odrive(odrive_node_of(axis), family_of(axis)),
-                                          servo_settings_of(axis, drive.turns_per_unit,
-                                                            drive.follow.max_following_error, rate_hz)),
-                         axis.place, named(axis));
+OdriveKind::Host OdriveKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
+  return value_or_refuse(
+      Host::make(can::Odrive(odrive_node_of(axis), family_of(axis)), servo_settings_of(axis, rate_hz)),
+      axis.place, named(axis));
 }
 
-OdriveKind::Bus OdriveKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*rate_hz*/,
-                                   const RigAxis& first) {
-  return value_or_refuse(Bus::make(hosts), first.place, named(first));
-}
-
-std::string OdriveKind::detail_of(const Bus::Drive& host, can::DriveFinding /*finding*/) {
+std::string OdriveKind::detail_of(const Host& host, can::DriveFinding /*finding*/) {
   const bool is_old = host.protocol().family() == can::OdriveFamily::firmware_05;
   std::string words = words_of_error_bits(host.last_errors(), is_old ? words_of_error_05 : words_of_error_06);
   if (words.empty()) return words;
@@ -73,7 +63,7 @@ std::string OdriveKind::detail_of(const Bus::Drive& host, can::DriveFinding /*fi
   return words;
 }
 
-std::string OdriveKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {
+std::string OdriveKind::fitness_of(const Host& host, std::int32_t /*rate_hz*/) {
   const bool is_old = host.protocol().family() == can::OdriveFamily::firmware_05;
   return fmt::format("node {} has firmware {} and told within {} ms that nobody spoke to it",
                      host.protocol().node().value(), is_old ? "0.5" : "0.6",

@@ -1,12 +1,9 @@
-#include "host_tools/rig/rmd_kind.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host_tools/rig/servo_kind.hpp"
-#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/rig/servo_kinds.hpp"
 #include "inbetween/can/bus_load.hpp"
 #include "inbetween/loop/tick_time.hpp"
 #include "sim/rmd_drive.hpp"
@@ -34,32 +31,26 @@ can::RmdSettings rmd_settings_of(const RigAxis& axis, std::int32_t rate_hz) {
 
 }  // namespace
 
-RmdKind::Bus::Drive RmdKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
-  const RmdDrive& drive = std::get<RmdDrive>(axis.drive);
-  can::ServoSettings settings =
-      servo_settings_of(axis, drive.turns_per_unit, drive.follow.max_following_error, rate_hz);
+RmdKind::Host RmdKind::host_of(const RigAxis& axis, std::int32_t rate_hz) {
+  can::ServoSettings settings = servo_settings_of(axis, rate_hz);
   set_noise(settings, 2 / can::rmd_steps_per_turn);
   // Of four answers one tells how it is.
   settings.status_timeout_ns = std::max(settings.status_timeout_ns, 12 * ns_per_s / rate_hz);
   const can::Rmd motor =
       value_or_refuse(can::Rmd::make(rmd_settings_of(axis, rate_hz)), axis.place, named(axis));
-  return value_or_refuse(Bus::Drive::make(motor, settings), axis.place, named(axis));
+  return value_or_refuse(Host::make(motor, settings), axis.place, named(axis));
 }
 
-RmdKind::Bus RmdKind::bus_of(std::span<Bus::Drive> hosts, std::int32_t /*rate_hz*/, const RigAxis& first) {
-  return value_or_refuse(Bus::make(hosts), first.place, named(first));
-}
-
-std::string RmdKind::detail_of(const Bus::Drive& host, can::DriveFinding /*finding*/) {
+std::string RmdKind::detail_of(const Host& host, can::DriveFinding /*finding*/) {
   return words_of_error_bits(host.last_errors(), can::words_of_rmd_error);
 }
 
-std::vector<std::string> RmdKind::lacks_of(const Bus::Drive& host) {
+std::vector<std::string> RmdKind::lacks_of(const Host& host) {
   if (host.protocol().watch() != can::ServoWatch::accepted) return {};
   return {std::string(words_without_watchdog)};
 }
 
-std::string RmdKind::fitness_of(const Bus::Drive& host, std::int32_t /*rate_hz*/) {
+std::string RmdKind::fitness_of(const Host& host, std::int32_t /*rate_hz*/) {
   const can::Rmd& motor = host.protocol();
   const std::string number = fmt::format("motor {} follows positions at once and ", motor.motor().value());
   if (motor.watch() == can::ServoWatch::accepted) return number + "has no watchdog, which the rig accepts";
