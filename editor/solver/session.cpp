@@ -11,6 +11,10 @@ namespace {
 constexpr Error incomplete{
     .code = ErrorCode::wrong_count, .what = "the page's call is incomplete", .remedy = "load the page again"};
 
+constexpr Error unknown_word{.code = ErrorCode::out_of_range,
+                             .what = "the page names a spline or a kinetic that this solver does not know",
+                             .remedy = "load the page again"};
+
 std::optional<double> given(double value) {
   return std::isnan(value) ? std::nullopt : std::optional(value);
 }
@@ -26,6 +30,11 @@ bool has_room_for(const TrackRequest& request) {
          is_count(request.key_count, max_keys) && is_count(request.lock_count, max_locks) &&
          is_count(request.weight_count, max_axes + max_guides) && is_count(request.shape_count, max_keys) &&
          is_count(request.segment_count, max_segments) && is_count(request.corner_count, max_keys);
+}
+
+bool has_known_words(const TrackRequest& request) {
+  return is_count(request.spline, static_cast<std::size_t>(Spline::linear)) &&
+         is_count(request.kinetic, static_cast<std::size_t>(Kinetic::curves));
 }
 
 }  // namespace
@@ -44,6 +53,7 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
                  .what = "the track is larger than this page solves",
                  .remedy = "edit the file as text; the command line plans it"};
   }
+  if (!has_known_words(request)) return unknown_word;
   Reader reader(arguments);
   const TrackInput input = read_track(request, reader);
   if (!reader.is_complete()) return incomplete;
@@ -53,12 +63,12 @@ Status Session::solve_track(std::int32_t index, const Exchange& arguments) {
 TrackInput Session::read_track(const TrackRequest& request, Reader& reader) {
   TrackInput input;
   input.ends = request.is_periodic != 0 ? CurveEnds::periodic : CurveEnds::natural;
-  input.kinetic = static_cast<Kinetic>(std::clamp(request.kinetic, 0, 2));
+  input.kinetic = static_cast<Kinetic>(request.kinetic);
   input.frames = request.frames;
   input.fps.numerator = request.fps_numerator;
   input.fps.denominator = request.fps_denominator;
   PathSpec& path = input.path;
-  path.spline = static_cast<Spline>(std::clamp(request.spline, 0, 3));
+  path.spline = static_cast<Spline>(request.spline);
   path.closed = request.is_closed != 0;
   path.overshoot = request.overshoots != 0;
   path.rests_at_start = request.rests_at_start != 0;
