@@ -226,7 +226,7 @@ int check_command(const CheckArguments& arguments) {
 
 constexpr const char* check_explanation =
     R"(Every moment from the first frame to the last is held against the limits, not samples of it: a peak
-is a proven bound, not below the true one and at most 1 % above it. Jerk is held only where the rig has a
+is a proven bound, not below the true one and at most 0.001 % above it. Jerk is held only where the rig has a
 max_jerk.
 
 A move that starts moving gets a pre-roll from rest, on frames below 0, and one that ends moving a post-roll:

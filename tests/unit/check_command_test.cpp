@@ -226,7 +226,7 @@ TEST(CheckCommand, ItsHelpNamesEveryOptionAndSaysWhatItProves) {
   const ProgramRun run = run_program({"check", "--help"});
   EXPECT_EQ(run.status, 0);
   for (const char* words : {"MOVE", "--rig ", "--json ", "--plot ", "--help", "svg",
-                            "not below the true one and at most 1 % above it", "spline = \"smooth\"",
+                            "not below the true one and at most 0.001 % above it", "spline = \"smooth\"",
                             "Exit status: 0 the move fits, or --fit found a curve; 3 it does not"}) {
     EXPECT_THAT(run.out, HasSubstr(words));
   }

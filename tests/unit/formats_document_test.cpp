@@ -189,6 +189,17 @@ TEST(FormatsDocument, HasEveryFaultThatThereIs) {
   EXPECT_EQ(documented, accepted);
 }
 
+/// Units of a move and of a rig are different lists. Whatever else has a unit refers to them.
+TEST(FormatsDocument, ListsTheUnitsOnceForAMoveAndOnceForARig) {
+  const std::vector<std::string> lines = lines_of_document();
+  EXPECT_EQ(std::ranges::count_if(lines,
+                                  [](const std::string& line) {
+                                    return line.find("`\"rad\"`") != std::string::npos ||
+                                           line.find("`deg`, `rad`") != std::string::npos;
+                                  }),
+            2);
+}
+
 /// Words in quotes in the type column of a field are the words that the reader names when it refuses another.
 TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
   // "direction" is the first of that name, "[[fault]] direction" that under this heading.
