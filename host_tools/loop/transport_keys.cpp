@@ -1,6 +1,7 @@
 #include "host_tools/loop/transport_keys.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace inbetween {
@@ -8,53 +9,30 @@ namespace {
 
 constexpr char escape = '\x1b';
 
+struct ByteKey {
+  char byte;
+  TransportKey key;
+};
+constexpr std::array<ByteKey, 28> byte_keys{{
+    {'1', TransportKey::size_1},       {'2', TransportKey::size_2},
+    {'3', TransportKey::size_3},       {'4', TransportKey::size_4},
+    {'5', TransportKey::size_5},       {'6', TransportKey::digit_6},
+    {'7', TransportKey::digit_7},      {'8', TransportKey::digit_8},
+    {'9', TransportKey::digit_9},      {'0', TransportKey::digit_0},
+    {'\x7f', TransportKey::erase},     {'\b', TransportKey::erase},
+    {'g', TransportKey::go_to_frame},  {'k', TransportKey::go_to_key},
+    {' ', TransportKey::pause},        {'r', TransportKey::reverse},
+    {'+', TransportKey::faster},       {'-', TransportKey::slower},
+    {'a', TransportKey::acknowledge},  {'e', TransportKey::expose},
+    {'\r', TransportKey::start},       {'\n', TransportKey::start},
+    {'n', TransportKey::teach_next},   {'p', TransportKey::teach_previous},
+    {'i', TransportKey::teach_insert}, {'t', TransportKey::teach_replace},
+    {'u', TransportKey::teach_undo},   {'q', TransportKey::quit},
+}};
+
 std::optional<TransportKey> key_of(char byte) {
-  if (byte >= '1' && byte <= '5') {
-    return static_cast<TransportKey>(static_cast<int>(TransportKey::size_1) + (byte - '1'));
-  }
-  if (byte >= '6' && byte <= '9') {
-    return static_cast<TransportKey>(static_cast<int>(TransportKey::digit_6) + (byte - '6'));
-  }
-  switch (byte) {
-    case '0':
-      return TransportKey::digit_0;
-    case '\x7f':
-    case '\b':
-      return TransportKey::erase;
-    case 'g':
-      return TransportKey::go_to_frame;
-    case 'k':
-      return TransportKey::go_to_key;
-    case ' ':
-      return TransportKey::pause;
-    case 'r':
-      return TransportKey::reverse;
-    case '+':
-      return TransportKey::faster;
-    case '-':
-      return TransportKey::slower;
-    case 'a':
-      return TransportKey::acknowledge;
-    case '\r':
-    case '\n':
-      return TransportKey::start;
-    case 'e':
-      return TransportKey::expose;
-    case 'n':
-      return TransportKey::teach_next;
-    case 'p':
-      return TransportKey::teach_previous;
-    case 'i':
-      return TransportKey::teach_insert;
-    case 't':
-      return TransportKey::teach_replace;
-    case 'u':
-      return TransportKey::teach_undo;
-    case 'q':
-      return TransportKey::quit;
-    default:
-      return std::nullopt;
-  }
+  const auto found = std::ranges::find(byte_keys, byte, &ByteKey::byte);
+  return found == byte_keys.end() ? std::nullopt : std::optional(found->key);
 }
 
 /// A mouse as terminals without SGR report it: three more bytes, which would be keys elsewhere.
