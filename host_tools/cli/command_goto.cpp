@@ -10,7 +10,7 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/position_arguments.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
-#include "host_tools/loop/jitter.hpp"
+#include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/go_to.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"

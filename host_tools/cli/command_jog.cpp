@@ -16,7 +16,7 @@
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/cli/taught_keys.hpp"
-#include "host_tools/loop/jitter.hpp"
+#include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/jog.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"

@@ -18,7 +18,7 @@
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/cli/shoot_arguments.hpp"
-#include "host_tools/loop/jitter.hpp"
+#include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/rig/fault_script.hpp"

@@ -19,6 +19,10 @@
 
 namespace inbetween {
 
+/// The share of its velocity that an axis may have in a loop without the rights of a real-time program
+/// (SessionOptions::allow_jitter): faster, a late tick could make it jump.
+inline constexpr double jitter_share = 0.1;
+
 /// Thrown instead of what was thrown where, after it, a drive may have power though everything was done to
 /// switch it off. what() is a line for each and says what to do.
 class PowerLeftError : public std::runtime_error {

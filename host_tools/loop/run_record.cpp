@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "host_tools/text/csv_field.hpp"
+#include "host_tools/text/csv_table.hpp"
 
 namespace inbetween {
 

@@ -1,11 +1,11 @@
-#include "host_tools/move_model/move_cue_reader.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 #include <map>
 #include <string_view>
+
+#include "host_tools/move_model/move_readers.hpp"
 
 namespace inbetween {
 namespace {

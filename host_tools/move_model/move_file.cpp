@@ -8,10 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "host_tools/move_model/move_cue_reader.hpp"
-#include "host_tools/move_model/move_key_reader.hpp"
-#include "host_tools/move_model/move_network_reader.hpp"
-#include "host_tools/move_model/move_space_reader.hpp"
+#include "host_tools/move_model/move_readers.hpp"
 #include "host_tools/text/toml_source.hpp"
 #include "host_tools/text/toml_value.hpp"
 

@@ -1,5 +1,3 @@
-#include "host_tools/move_model/move_key_reader.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host_tools/move_model/move_space_reader.hpp"
+#include "host_tools/move_model/move_readers.hpp"
 
 namespace inbetween {
 namespace {

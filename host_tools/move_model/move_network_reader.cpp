@@ -1,5 +1,3 @@
-#include "host_tools/move_model/move_network_reader.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "host_tools/move_model/move_space_reader.hpp"
+#include "host_tools/move_model/move_readers.hpp"
 #include "host_tools/text/csv_table.hpp"
 #include "host_tools/text/toml_source.hpp"
 

@@ -1,5 +1,3 @@
-#include "host_tools/move_model/move_space_reader.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "host_tools/move_model/move_readers.hpp"
 #include "host_tools/rig_model/move_unit.hpp"
 
 namespace inbetween {

@@ -9,7 +9,7 @@
 
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/passed_keys.hpp"
-#include "host_tools/text/csv_field.hpp"
+#include "host_tools/text/csv_table.hpp"
 #include "host_tools/text/diagnostics.hpp"
 #include "host_tools/text/json_writer.hpp"
 #include "inbetween/base/hash.hpp"

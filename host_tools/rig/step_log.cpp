@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "host_tools/text/csv_field.hpp"
+#include "host_tools/text/csv_table.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {

@@ -1,5 +1,3 @@
-#include "host_tools/rig_model/rig_drive_reader.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <limits>
 
 #include "drivers/linux/line_pipe.hpp"
+#include "host_tools/rig_model/rig_readers.hpp"
 #include "inbetween/limits/limits.hpp"
 
 namespace inbetween {

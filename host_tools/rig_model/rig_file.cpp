@@ -11,9 +11,8 @@
 #include <utility>
 
 #include "host_tools/rig_model/gpio_line_reader.hpp"
-#include "host_tools/rig_model/rig_drive_reader.hpp"
-#include "host_tools/rig_model/rig_gear_reader.hpp"
 #include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/rig_model/rig_readers.hpp"
 #include "host_tools/text/toml_source.hpp"
 #include "host_tools/text/toml_value.hpp"
 #include "inbetween/can/cia402_homing.hpp"

@@ -1,5 +1,3 @@
-#include "host_tools/rig_model/rig_gear_reader.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <utility>
 
 #include "host_tools/rig_model/rig_motors.hpp"
+#include "host_tools/rig_model/rig_readers.hpp"
 #include "inbetween/limits/limits.hpp"
 
 namespace inbetween {

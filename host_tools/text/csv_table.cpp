@@ -121,4 +121,11 @@ double csv_number(const CsvTable& table, const CsvRow& row, std::size_t column) 
                                                     in_quotes(table.columns[column]), in_quotes(field)));
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
 }  // namespace inbetween

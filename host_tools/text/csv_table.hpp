@@ -35,4 +35,7 @@ CsvTable parse_csv(std::string_view text, const std::string& path);
 /// with the name of the column.
 double csv_number(const CsvTable& table, const CsvRow& row, std::size_t column);
 
+/// A field with a comma or a quote is quoted as RFC 4180 says.
+std::string csv_field(const std::string& text);
+
 }  // namespace inbetween

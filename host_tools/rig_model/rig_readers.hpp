@@ -1,4 +1,4 @@
-// Reads the drives of a rig.
+// The parts of the reader of a rig: its drives, and what lies between its axes and their motors.
 #pragma once
 
 #include <map>
@@ -27,5 +27,16 @@ struct RigContext {
 
 /// Reads the table `drive` of an axis whose limits have been read.
 Drive read_drive(const TomlValue& value, const RigAxis& axis, const RigContext& rig);
+
+// rig_gear_reader.cpp
+
+/// Reads `offset`, `calibration` and `backlash` of an axis whose limits have been read.
+void read_gear(const TomlTable& table, RigAxis& axis);
+
+/// Reads `ganged` and `max_skew` of an axis whose first drive has been read.
+void read_ganged(const TomlTable& table, RigAxis& axis, const RigContext& rig);
+
+/// Lowers the limits of an axis without a calibration by what the take-up of its backlash needs.
+void leave_room_for_backlash(RigAxis& axis);
 
 }  // namespace inbetween
