@@ -1,6 +1,5 @@
 #include "editor/solver/session.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>

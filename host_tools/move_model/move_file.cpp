@@ -107,11 +107,9 @@ bool may_be_timed_by_frames(const MoveTrack& track, std::int32_t frames) {
 void read_speed(const TomlTable& table, std::int32_t frames, MoveTrack& track) {
   track.speed_place = track.place;
   if (track.timing == Timing::frames) {
-    if (const auto speed = table.optional("speed")) {
-      speed->refuse(
-          R"(has no meaning with timing = "frames", where the keys say when; remove one of the two)");
-    }
-    return;
+    return table.refuse_any(
+        {"speed"},
+        R"(has no meaning with timing = "frames", where the keys say when; remove one of the two)");
   }
   if (!table.optional("speed") && may_be_timed_by_frames(track, frames)) {
     throw InputError(table.place(),

@@ -19,13 +19,6 @@ namespace {
 
 constexpr std::array<std::string_view, 2> point_fields = {"frame", "at"};
 
-void refuse_without_network(const TomlTable& table) {
-  for (const std::string_view field : {"places", "drawn"}) {
-    if (const auto value = table.optional(field))
-      value->refuse("belongs to a network; add network = true, or remove it");
-  }
-}
-
 /// A network is C2 in time because all its curves are.
 void refuse_other_curves(const TomlTable& table, const TomlValue& network, const MoveTrack& track) {
   if (track.timing != Timing::frames) {
@@ -55,9 +48,7 @@ const std::vector<std::string>& row_of(const MoveTrack& track) {
 }
 
 void refuse_other_keys(const TomlTable& table, const MoveTrack& track) {
-  if (const auto distance = table.optional("distance")) {
-    distance->refuse("is for other tracks: a network goes by the frames of its keys; remove it");
-  }
+  table.refuse_any({"distance"}, "is for other tracks: a network goes by the frames of its keys; remove it");
   if (!track.wraps.empty()) {
     table.required("wrap", "")
         .refuse(
@@ -239,7 +230,9 @@ void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, 
 
 void read_network(const TomlTable& table, std::int32_t frames, MoveTrack& track) {
   const auto network = table.optional("network");
-  if (!network || !network->boolean()) return refuse_without_network(table);
+  if (!network || !network->boolean()) {
+    return table.refuse_any({"places", "drawn"}, "belongs to a network; add network = true, or remove it");
+  }
   refuse_other_curves(table, *network, track);
   refuse_other_keys(table, track);
   MoveNetwork read{.places = read_places(table, track), .drawn = {}, .place = network->place()};

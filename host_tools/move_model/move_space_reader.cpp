@@ -33,11 +33,7 @@ void read_place(const TomlValue& value, MoveUnit unit, MoveKey& key) {
 }
 
 void refuse_in_space(const TomlTable& table, std::initializer_list<std::string_view> fields) {
-  for (const std::string_view field : fields) {
-    if (const auto value = table.optional(field)) {
-      value->refuse("is for axes, and the keys of this track are places in the world; remove it");
-    }
-  }
+  table.refuse_any(fields, "is for axes, and the keys of this track are places in the world; remove it");
 }
 
 /// One link, or the row of a network.
@@ -115,10 +111,7 @@ double world_metres(double number, MoveUnit unit, const Place& place) {
 
 void read_row_position(const TomlTable& table, const MoveTrack& track, MoveKey& key) {
   refuse_in_space(table, {"way", "turns"});
-  for (const std::string_view field : {"aim", "roll"}) {
-    if (const auto value = table.optional(field))
-      value->refuse("is for one link, and the points of a row look nowhere; remove it");
-  }
+  table.refuse_any({"aim", "roll"}, "is for one link, and the points of a row look nowhere; remove it");
   const MoveUnit unit = length_unit_of(table, track.space->unit);
   const TomlValue at = table.required("at", "at = { NAME_OF_A_POINT = [x, y, z] }");
   const std::vector<std::string_view> names(track.space->tips.begin(), track.space->tips.end());
@@ -142,12 +135,8 @@ void read_space(const TomlTable& table, MoveTrack& track) {
     track.distance->place = distance->place();
   }
   if (!space) {
-    for (const std::string_view field : {"aim", "elbow", "near"}) {
-      if (const auto value = table.optional(field)) {
-        value->refuse(R"(needs keys in the world; add space = "camera", the name of a tip of the rig)");
-      }
-    }
-    return;
+    return table.refuse_any({"aim", "elbow", "near"},
+                            R"(needs keys in the world; add space = "camera", the name of a tip of the rig)");
   }
   MoveSpace& read = track.space.emplace();
   read.tips = read_tips(table, *space);
@@ -214,12 +203,9 @@ void read_space_position(const TomlTable& table, std::size_t index, MoveTrack& t
 }
 
 void refuse_space_fields(const TomlTable& table) {
-  for (const std::string_view field : {"aim", "roll"}) {
-    if (const auto value = table.optional(field)) {
-      value->refuse(
-          R"(needs keys in the world; add space = "camera" to the track, the name of a tip of the rig)");
-    }
-  }
+  table.refuse_any(
+      {"aim", "roll"},
+      R"(needs keys in the world; add space = "camera" to the track, the name of a tip of the rig)");
 }
 
 }  // namespace inbetween

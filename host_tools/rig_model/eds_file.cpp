@@ -17,52 +17,28 @@
 namespace inbetween {
 namespace {
 
-/// A data type of CiA 301, by its number.
+/// A number of CiA 301. What has no bytes here is none: texts, times, what a maker has defined.
 struct EdsType {
-  enum class Kind { number, text };
-  Kind kind = Kind::text;
   std::size_t bytes = 0;
   bool has_sign = false;
   bool is_real = false;
 };
 
+struct NumberedType {
+  std::uint64_t number;
+  EdsType type;
+};
+constexpr std::array<NumberedType, 19> number_types{{
+    {0x01, {1}},       {0x02, {1, true}}, {0x03, {2, true}}, {0x04, {4, true}},
+    {0x05, {1}},       {0x06, {2}},       {0x07, {4}},       {0x08, {4, true, true}},
+    {0x10, {3, true}}, {0x16, {3}},       {0x12, {5, true}}, {0x11, {8, true, true}},
+    {0x13, {6, true}}, {0x14, {7, true}}, {0x15, {8, true}}, {0x18, {5}},
+    {0x19, {6}},       {0x1A, {7}},       {0x1B, {8}},
+}};
+
 EdsType type_of(std::uint64_t number) {
-  constexpr EdsType::Kind is_number = EdsType::Kind::number;
-  switch (number) {
-    case 0x01:
-    case 0x05:
-      return {is_number, 1};
-    case 0x02:
-      return {is_number, 1, true};
-    case 0x03:
-      return {is_number, 2, true};
-    case 0x04:
-      return {is_number, 4, true};
-    case 0x06:
-      return {is_number, 2};
-    case 0x07:
-      return {is_number, 4};
-    case 0x08:
-      return {is_number, 4, true, true};
-    case 0x10:
-      return {is_number, 3, true};
-    case 0x16:
-      return {is_number, 3};
-    case 0x11:
-      return {is_number, 8, true, true};
-    case 0x12:
-    case 0x13:
-    case 0x14:
-    case 0x15:
-      return {is_number, static_cast<std::size_t>(number - 0x12 + 5), true};
-    case 0x18:
-    case 0x19:
-    case 0x1A:
-    case 0x1B:
-      return {is_number, static_cast<std::size_t>(number - 0x18 + 5)};
-    default:
-      return {};  // texts, times, what a maker has defined: bytes
-  }
+  const auto found = std::ranges::find(number_types, number, &NumberedType::number);
+  return found == number_types.end() ? EdsType{} : found->type;
 }
 
 std::uint64_t low_bits(std::size_t bytes) {
@@ -180,7 +156,7 @@ class EdsReader {
     for (const char* const key : {"parametervalue", "defaultvalue"}) {
       if (value == nullptr) value = section.find(key);
     }
-    if (type.kind == EdsType::Kind::text) {
+    if (type.bytes == 0) {
       if (value != nullptr) object.bytes.assign(value->text().begin(), value->text().end());
     } else if (type.bytes > 4) {
       const std::uint64_t number = value == nullptr ? 0 : number_in(*value, type).value_or(0);
@@ -236,7 +212,7 @@ class EdsReader {
   std::optional<std::uint64_t> whole(const IniSection& section, const char* key) {
     const IniValue* const value = section.find(key);
     if (value == nullptr) return {};
-    return number_in(*value, {EdsType::Kind::number, 4});
+    return number_in(*value, {.bytes = 4});
   }
 
   /// Of a type of at most four bytes.

@@ -87,9 +87,8 @@ void refuse_unbounded_steps(const TomlTable& axis_table, const TomlValue& calibr
         "has a max_jerk, and the axis has none; give the axis one, so that its acceleration "
         "does not step");
   }
-  if (const auto step = axis_table.optional("max_acceleration_step")) {
-    step->refuse("does not go with a max_jerk of the calibration; leave one of them out");
-  }
+  axis_table.refuse_any({"max_acceleration_step"},
+                        "does not go with a max_jerk of the calibration; leave one of them out");
 }
 
 AxisBacklash read_backlash(const TomlValue& value) {

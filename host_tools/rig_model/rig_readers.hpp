@@ -1,4 +1,4 @@
-// The parts of the reader of a rig: its drives, and what lies between its axes and their motors.
+// The parts of the reader of a rig: its drives, what lies between its axes and their motors, homes.
 #pragma once
 
 #include <map>
@@ -38,5 +38,10 @@ void read_ganged(const TomlTable& table, RigAxis& axis, const RigContext& rig);
 
 /// Lowers the limits of an axis without a calibration by what the take-up of its backlash needs.
 void leave_room_for_backlash(RigAxis& axis);
+
+// rig_home_reader.cpp
+
+/// Reads `home` of an axis whose drive and gear have been read: by a switch, or by the drive itself.
+void read_home_of_axis(const TomlValue& home, RigAxis& axis, TakenLines& lines);
 
 }  // namespace inbetween

@@ -150,4 +150,10 @@ TomlValue TomlTable::required(std::string_view field, std::string_view example) 
   return *std::move(value);
 }
 
+void TomlTable::refuse_any(std::initializer_list<std::string_view> fields, std::string_view problem) const {
+  for (const std::string_view field : fields) {
+    if (const auto value = optional(field)) value->refuse(problem);
+  }
+}
+
 }  // namespace inbetween

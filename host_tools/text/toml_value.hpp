@@ -75,6 +75,8 @@ class TomlTable {
   std::optional<TomlValue> optional(std::string_view field) const;
   /// Throws InputError at place() if the field is missing; `example` is what one would write, "fps = 24".
   TomlValue required(std::string_view field, std::string_view example) const;
+  /// Throws InputError at the first of these fields that is there: "field problem".
+  void refuse_any(std::initializer_list<std::string_view> fields, std::string_view problem) const;
 
  private:
   const toml::table* table_;
