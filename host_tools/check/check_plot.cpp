@@ -1,11 +1,10 @@
-#include "host_tools/check/check_plot.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "host_tools/check/check_output.hpp"
 #include "host_tools/check/checked_peaks.hpp"
 
 namespace inbetween {

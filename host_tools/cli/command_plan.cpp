@@ -10,9 +10,7 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/plan/passed_keys.hpp"
 #include "host_tools/plan/plan_output.hpp"
-#include "host_tools/plan/plan_plot.hpp"
 #include "host_tools/plot/plot.hpp"
-#include "host_tools/table/table_output.hpp"
 #include "host_tools/table/trajectory_table.hpp"
 #include "host_tools/text/output_file.hpp"
 

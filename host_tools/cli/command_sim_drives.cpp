@@ -7,7 +7,7 @@
 
 #include "drivers/linux/interrupt_watch.hpp"
 #include "host_tools/cli/command.hpp"
-#include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/motions/sim_drives.hpp"
 #include "host_tools/rig/fault_script.hpp"
 #include "host_tools/text/output_file.hpp"

@@ -12,7 +12,6 @@
 #include "drivers/linux/key_terminal.hpp"
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
-#include "host_tools/cli/position_arguments.hpp"
 #include "host_tools/motions/go_to.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 #include "host_tools/rig/rig_watch.hpp"

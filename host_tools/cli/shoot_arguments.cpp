@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "host_tools/cli/command.hpp"
-#include "host_tools/cli/position_arguments.hpp"
+#include "host_tools/cli/setup_arguments.hpp"
 
 namespace inbetween {
 namespace {

@@ -1,6 +1,6 @@
-#include "host_tools/doctor/bus_checks.hpp"
-
 #include <fmt/format.h>
+
+#include "host_tools/doctor/doctor.hpp"
 
 namespace inbetween {
 namespace {

@@ -1,5 +1,3 @@
-#include "host_tools/doctor/machine_checks.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,6 +8,7 @@
 #include <string_view>
 
 #include "drivers/linux/monotonic_clock.hpp"
+#include "host_tools/doctor/doctor.hpp"
 #include "inbetween/loop/tick_time.hpp"
 
 namespace inbetween {

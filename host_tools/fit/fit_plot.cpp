@@ -1,4 +1,4 @@
-#include "host_tools/fit/fit_plot.hpp"
+#include "host_tools/fit/fit_output.hpp"
 
 namespace inbetween {
 namespace {

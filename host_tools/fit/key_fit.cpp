@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "host_tools/numerics/cholesky.hpp"
+#include "host_tools/numerics/symmetric_matrix.hpp"
 
 namespace inbetween {
 namespace {

@@ -12,7 +12,6 @@
 
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
-#include "host_tools/motions/shoot_checks.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/motions/transport.hpp"

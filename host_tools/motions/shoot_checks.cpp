@@ -1,5 +1,3 @@
-#include "host_tools/motions/shoot_checks.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "host_tools/check/check.hpp"
+#include "host_tools/motions/run_checks.hpp"
 #include "host_tools/reference/axis_positions.hpp"
 
 namespace inbetween {

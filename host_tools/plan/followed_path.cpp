@@ -6,7 +6,6 @@
 
 #include "host_tools/joints/tip_deviation.hpp"
 #include "host_tools/numerics/hypotenuse.hpp"
-#include "host_tools/plan/cubic_part.hpp"
 #include "host_tools/plan/row_spline.hpp"
 
 namespace inbetween {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host_tools/plan/cubic_part.hpp"
+#include "host_tools/plan/row_spline.hpp"
 
 namespace inbetween {
 namespace {

@@ -1,4 +1,5 @@
-// A plan as JSON and as CSV, and its rolls for people. docs/formats.md describes the formats.
+// A plan as JSON, as CSV and as the data of a picture (plan_plot.cpp), and its rolls for people.
+// docs/formats.md describes the formats.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/plan_rows.hpp"
+#include "host_tools/plot/plot.hpp"
 
 namespace inbetween {
 
@@ -31,5 +33,8 @@ void print_rolls(const Plan& plan, std::FILE* out);
 /// Prints a line about a track whose axes follow a link in space, or the reverse: how far the one can be from
 /// the other. Prints nothing about other tracks.
 void print_followed(const Plan& plan, std::size_t track, std::string_view indent, std::FILE* out);
+
+/// The data that draw_plot shows. Leaves out axes in no track.
+PlotMove plot_of(const Plan& plan);
 
 }  // namespace inbetween

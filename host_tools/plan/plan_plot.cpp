@@ -1,5 +1,3 @@
-#include "host_tools/plan/plan_plot.hpp"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +11,7 @@
 #include "host_tools/plan/key_frames.hpp"
 #include "host_tools/plan/link_rows.hpp"
 #include "host_tools/plan/passed_keys.hpp"
+#include "host_tools/plan/plan_output.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 #include "host_tools/plan/space_track.hpp"
 #include "inbetween/base/bisection.hpp"

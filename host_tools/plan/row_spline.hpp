@@ -24,4 +24,10 @@ std::vector<Cubic> spline_through(const SplineRun& run);
 /// The derivative at the first of five values with equal steps between, exact for polynomials of degree 4.
 double first_slope_of(std::span<const double, 5> values, double step);
 
+/// c(begin + size t) as a cubic in t.
+inline Cubic cut(const Cubic& c, double begin, double size) {
+  return {c.value(begin), size * c.derivative(begin), size * size * c.second(begin) / 2,
+          size * size * size * c.c3};
+}
+
 }  // namespace inbetween

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
 #include "host_tools/plot/plot_time.hpp"

@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "host_tools/plot/plot_line.hpp"
-#include "host_tools/plot/plot_page.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_scale.hpp"
 #include "host_tools/text/diagnostics.hpp"

@@ -1,5 +1,5 @@
-// The shared part of the panels of a plot: colours, headings, grids with tick numbers, and key numbers that
-// do not collide.
+// The shared part of the panels of a plot: the page, colours, headings, grids with tick numbers, and key
+// numbers that do not collide.
 #pragma once
 
 #include <span>
@@ -11,6 +11,14 @@
 #include "host_tools/plot/plot_scale.hpp"
 
 namespace inbetween {
+
+/// Every picture is drawn on such a page, in pixels.
+inline constexpr double page_width = 1400;
+/// Of a sheet of paper of that width (A4).
+inline constexpr double sheet_height = 1980;
+inline constexpr double page_margin = 44;
+inline constexpr double content_width = page_width - 2 * page_margin;
+inline constexpr double title_height = 66;
 
 // Okabe and Ito's palette (2008), told apart by readers with any colour vision.
 namespace plot_color {

@@ -1,11 +1,10 @@
-#include "host_tools/table/table_output.hpp"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <cstddef>
 #include <span>
 
+#include "host_tools/table/trajectory_table.hpp"
 #include "host_tools/text/json_writer.hpp"
 
 namespace inbetween {

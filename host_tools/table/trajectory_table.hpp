@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host_tools/check/check.hpp"
@@ -77,5 +79,17 @@ TrajectoryTable trajectory_table(const Plan& plan, const CheckReport& report);
 /// The longest of its stops, which is how long a button has to be waited for.
 double longest_stop_s(const TrajectoryTable& table);
 std::size_t piece_count(const TrajectoryTable& table);
+
+/// Version 1 of the format.
+void write_table_json(const TrajectoryTable& table, std::FILE* file);
+
+/// Version 1 of the header: C99 and C++, that stands alone. What it defines begins with `name`, which is a
+/// name of C (table_name_of). Numbers read back exactly.
+void write_table_header(const TrajectoryTable& table, std::string_view name, std::FILE* file);
+
+/// The beginning of the names that the header in a file defines: the file's name without folder and ending,
+/// with '_' for what a name of C cannot have, and in front of a digit. The table is NAME_table, since NAME
+/// alone may be a word of C.
+std::string table_name_of(const std::string& file);
 
 }  // namespace inbetween

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/motions/shoot_checks.hpp"
+#include "host_tools/motions/run_checks.hpp"
 #include "tests/support/fitting_move.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/recorded_play.hpp"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "host_tools/check/planned_stops.hpp"
-#include "host_tools/table/table_output.hpp"
 #include "host_tools/table/trajectory_table.hpp"
 #include "host_tools/text/output_file.hpp"
 #include "tests/support/fitting_move.hpp"

@@ -20,8 +20,6 @@
 
 #include "drivers/can/can_link.hpp"
 #include "drivers/linux/machine_facts.hpp"
-#include "host_tools/doctor/bus_checks.hpp"
-#include "host_tools/doctor/machine_checks.hpp"
 #include "host_tools/rig/fault_script.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "tests/support/places.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/plan/plan_plot.hpp"
+#include "host_tools/plan/plan_output.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_on.hpp"

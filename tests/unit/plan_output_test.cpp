@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "host_tools/joints/kinematics.hpp"
-#include "host_tools/plan/plan_plot.hpp"
 #include "host_tools/plan/plan_rows.hpp"
 #include "tests/support/golden_table.hpp"
 #include "tests/support/oracle_table.hpp"

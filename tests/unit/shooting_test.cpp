@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "host_tools/motions/run.hpp"
-#include "host_tools/motions/shoot_checks.hpp"
+#include "host_tools/motions/run_checks.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"

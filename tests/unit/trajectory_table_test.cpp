@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/table/table_output.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/run_program.hpp"
