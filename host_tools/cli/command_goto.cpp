@@ -8,6 +8,7 @@
 #include "drivers/linux/key_terminal.hpp"
 #include "host_tools/cli/agreement.hpp"
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/go_to.hpp"

@@ -1,5 +1,3 @@
-#include "host_tools/fit/eased_start.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -9,6 +7,7 @@
 #include "host_tools/fit/control_curve.hpp"
 #include "host_tools/fit/fewest_frames.hpp"
 #include "host_tools/fit/speed_fit.hpp"
+#include "host_tools/fit/speed_start.hpp"
 #include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <utility>
 
-#include "host_tools/fit/eased_start.hpp"
 #include "host_tools/fit/fitted_track.hpp"
 #include "host_tools/fit/lock_reach.hpp"
 #include "host_tools/fit/speed_descent.hpp"

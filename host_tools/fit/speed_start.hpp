@@ -1,9 +1,11 @@
 // Speed curves from which a fit may begin, beside the drawn one.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "host_tools/fit/fitted_track.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
 #include "inbetween/timing/track.hpp"
 
@@ -29,5 +31,14 @@ std::vector<double> flat_start(const StartRequest& request);
 /// `axes` are those of the track. Cost: 64 points per segment of the path.
 std::vector<double> curvature_start(const Track& track, std::span<const RigAxis> axes,
                                     const StartRequest& request);
+
+/// The track with a speed curve that shares out the frames between its eased keys as the limits need them:
+/// each stretch between two keys where it rests gets frames in proportion to the time that its slowest axis
+/// takes from rest to rest, with the speed of the smoothest such motion (Flash and Hogan 1985, minimum jerk).
+/// Keys with a frame or a hold keep their frames. Nothing if every eased key has a frame, or if the keys have
+/// no such curve.
+///
+/// The drawn curve says only roughly when such a key is met: it does not slow down there.
+std::optional<Plan> with_eases_shared_out(const FittedTrack& fitted);
 
 }  // namespace inbetween

@@ -1,5 +1,3 @@
-#include "host_tools/motions/drive_home.hpp"
-
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "host_tools/loop/manual_motion.hpp"
+#include "host_tools/motions/home.hpp"
 #include "host_tools/motions/lone_axis.hpp"
 #include "host_tools/plan/move_rolls.hpp"
 #include "host_tools/rig/rig_watch.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "host_tools/loop/manual_motion.hpp"
-#include "host_tools/motions/drive_home.hpp"
 #include "host_tools/motions/go_to.hpp"
 #include "host_tools/motions/rig_homing.hpp"
 #include "host_tools/plan/move_rolls.hpp"

@@ -13,7 +13,6 @@
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/key_positions.hpp"
 #include "host_tools/plan/network_track.hpp"
-#include "host_tools/plan/row_of_points.hpp"
 #include "host_tools/plan/unmet_lock.hpp"
 
 namespace inbetween {

@@ -1,4 +1,3 @@
-#include "host_tools/plan/row_of_points.hpp"
 
 #include <fmt/format.h>
 

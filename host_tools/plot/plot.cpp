@@ -10,6 +10,7 @@
 
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_path.hpp"
+#include "host_tools/plot/plot_speed.hpp"
 #include "host_tools/plot/plot_time.hpp"
 #include "host_tools/plot/plot_tips.hpp"
 #include "host_tools/text/diagnostics.hpp"

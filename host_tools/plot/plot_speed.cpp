@@ -1,3 +1,5 @@
+#include "host_tools/plot/plot_speed.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include "host_tools/plot/plot_line.hpp"
 #include "host_tools/plot/plot_panel.hpp"
 #include "host_tools/plot/plot_scale.hpp"
-#include "host_tools/plot/plot_time.hpp"
 
 namespace inbetween {
 namespace {

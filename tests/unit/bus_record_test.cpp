@@ -13,6 +13,7 @@
 #include "host_tools/rig/cia402_kind.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "inbetween/can/cia402_port.hpp"
 #include "sim/simulated_link.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/rig_text.hpp"
