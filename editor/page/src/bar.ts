@@ -146,7 +146,7 @@ export class Bar {
       hasRoom
         ? null
         : "This browser has no room left to keep what you edit: what is not saved is lost when this page is closed.",
-      button("Download", "Download the move as a file", () => void this.download(), "download-room"),
+      this.downloadButton("download-room"),
       button(
         "Forget older steps",
         "Undo will end here; that makes room",

@@ -108,9 +108,8 @@ export class Hand {
     perPixel: readonly [number, number],
   ): Promise<void> {
     const { store } = this;
-    const { samples } = this;
-    this.samples = [];
-    if (!this.server || samples.length < 8) return say("That was too short to be a motion; draw longer.", true);
+    const samples = this.taken();
+    if (!this.server || !samples) return;
     const index = store.selection.track;
     const asked = store.move;
     const track = asked.tracks[index];

@@ -2,7 +2,7 @@
 import { attributes, byId, follow, html, say, svg, ticks } from "./dom";
 import type { Hand } from "./hand";
 import { insertOnPath, moveKeys, removeKeys } from "./edits";
-import { isRounded, stepFor } from "./move";
+import { firstAxis, isRounded, stepFor } from "./move";
 import { parameterOf } from "./solver";
 import type { Store } from "./store";
 import { colorChanges, type Size, Strokes, watchSize } from "./strokes";
@@ -111,7 +111,7 @@ export class PlanView {
     [y0, y1] = pad(y0, y1);
     // One scale for both where both have one unit: a plan is no graph.
     const move = this.store.move;
-    const first = move.tracks.slice(0, this.one.index).reduce((sum, track) => sum + track.axes.length, 0);
+    const first = firstAxis(move, this.one.index);
     const unit = (axis: number): string => move.axes[first + Math.min(axis, this.one.axes - 1)].unit;
     if (this.one.axes > 1 && unit(this.horizontal) === unit(this.vertical)) {
       const wide = this.size.width - margin.left - margin.right;
@@ -211,7 +211,7 @@ export class PlanView {
   private drawGrid(): void {
     const { store, box } = this;
     const track = store.move.tracks[this.one.index];
-    const first = store.move.tracks.slice(0, this.one.index).reduce((sum, one) => sum + one.axes.length, 0);
+    const first = firstAxis(store.move, this.one.index);
     const label = (axis: number): string => {
       const a = Math.min(axis, track.axes.length - 1);
       const unit = store.move.axes[first + a].unit;
@@ -292,7 +292,7 @@ export class PlanView {
     if (!this.shown) return;
     const { store } = this;
     const { index, axes } = this.one;
-    const first = store.move.tracks.slice(0, index).reduce((sum, track) => sum + track.axes.length, 0);
+    const first = firstAxis(store.move, index);
     const all = store.move.axes.length;
     const motion = store.solver.motion(store.frame, 1, 1, all);
     const here = Array.from({ length: axes }, (_, a) => motion[(first + a) * 4]);

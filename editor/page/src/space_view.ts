@@ -1,5 +1,6 @@
 // The path in space, by three.js. It is loaded when it is first asked for.
 import type * as Three from "three";
+import { firstAxis } from "./move";
 import { RigFigure } from "./rig_figure";
 import type { Store } from "./store";
 
@@ -168,7 +169,7 @@ export class SpaceView {
       this.marker.position.copy(tip);
       return this.render();
     }
-    const first = store.move.tracks.slice(0, store.selection.track).reduce((sum, track) => sum + track.axes.length, 0);
+    const first = firstAxis(store.move, store.selection.track);
     const motion = store.solver.motion(store.frame, 1, 1, store.move.axes.length);
     const here = store.move.tracks[store.selection.track].axes.map((_, a) => motion[(first + a) * 4]);
     this.marker.position.set(...this.scale(here, 0));

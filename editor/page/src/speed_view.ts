@@ -66,10 +66,9 @@ export class SpeedView {
       this.top = speed ? Math.min(1.3 * most, 1.06 * max_control_value) : 1;
     }
     // The curve that is played, in control values; of a track that is timed by frames the speed itself.
-    const unit = solved.unitPerValue;
-    const values = this.sampleCurve(index, unit);
+    const values = this.sampleCurve(index);
     this.strokes.clear(this.size);
-    this.drawGrid(unit);
+    this.drawGrid(solved.unitPerValue);
     const { pen } = this.strokes;
     for (let i = 0; i < samples; ++i) pen.lineTo(this.x(i / (samples - 1)), this.y(values[i]));
     this.strokes.stroke("speed", 2.2);
@@ -82,14 +81,11 @@ export class SpeedView {
     this.drawCursor();
   }
 
-  private sampleCurve(index: number, unit: number): Float64Array {
-    const solved = this.store.solution.tracks[index];
-    const played = solved.played;
-    if (played.length > 0) return this.store.solver.speed(index, samples, false);
-    const values = this.store.solver.speed(index, samples, true);
-    const most = Math.max(...values, 1e-9);
-    if (!this.held) this.top = 1.2 * most;
-    void unit;
+  private sampleCurve(index: number): Float64Array {
+    const { store } = this;
+    if (store.solution.tracks[index].played.length > 0) return store.solver.speed(index, samples, false);
+    const values = store.solver.speed(index, samples, true);
+    if (!this.held) this.top = 1.2 * Math.max(...values, 1e-9);
     return values;
   }
 
