@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace inbetween {
 namespace {
 
-/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
-constexpr std::int64_t step_ns = 250'000;
 constexpr std::int64_t boot_delay_ns = 200'000'000;
 constexpr double deg_per_turn = 360;
 constexpr std::int16_t holding_centiamperes = 50;  // what keeps the load where it is
@@ -16,46 +13,25 @@ constexpr std::int16_t holding_centiamperes = 50;  // what keeps the load where 
 }  // namespace
 
 SimulatedCubemars::SimulatedCubemars(const SimulatedCubemarsSettings& settings, std::int64_t now_ns)
-    : settings_(settings),
-      motor_(settings.motor, settings.turns),
-      now_ns_(now_ns),
-      boot_ns_(now_ns + boot_delay_ns),
+    : SimulatedServo(settings, now_ns, boot_delay_ns),
+      settings_(settings),
       // Two motors have their own rhythms.
       feedback_ns_(boot_ns_ + settings.motor_number.value() * std::int64_t{70'000}) {}
-
-void SimulatedCubemars::send(const can::Frame& frame) {
-  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) put_frame(frame);
-}
-
-DriveRecord SimulatedCubemars::take_record() {
-  return std::exchange(record_, {});
-}
 
 const char* SimulatedCubemars::state_name() const {
   if (error_ != 0) return "fault";
   return is_on_ ? "position" : "off";
 }
 
-void SimulatedCubemars::advance(std::int64_t now_ns) {
-  while (now_ns_ < now_ns) {
-    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
-    now_ns_ += ns;
-    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
-    if (error_ != 0 && !has_trouble(Kind::emergency)) error_ = 0;
-    step(static_cast<double>(ns) * 1e-9);
-    if (now_ns_ >= boot_ns_) report();
-  }
+void SimulatedCubemars::live(double seconds) {
+  if (error_ != 0 && !has_trouble(Kind::emergency)) error_ = 0;
+  step(seconds);
+  if (now_ns_ >= boot_ns_) report();
 }
 
 void SimulatedCubemars::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
-  if (!is_on_) {
-    motor_.coast(seconds);
-    if (has_trouble(Kind::sink)) {
-      motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
-    }
-    return;
-  }
+  if (!is_on_) return coast(seconds);
   if (const auto speed = troubles_.place(Kind::run_away, now_ns_))
     return motor_.follow_speed(*speed, seconds);
   if (told_turns_per_s_) return motor_.follow_speed(*told_turns_per_s_, seconds);
@@ -74,7 +50,7 @@ double SimulatedCubemars::turns_of(std::int32_t counts) const {
 
 /// Tenths of a degree, cut off, in 16 bits that go round.
 can::Frame SimulatedCubemars::feedback() const {
-  const double decidegrees = std::trunc(10 * deg_per_turn * (motor_.position() - zero_));
+  const double decidegrees = std::trunc(10 * deg_per_turn * here());
   const double erpm = 60 * settings_.scale.electric_turns_per_turn * motor_.velocity();
   const double dekaerpm = std::clamp(erpm / 10, -32'767.0, 32'767.0);
   return can::cubemars_feedback_frame(
@@ -101,26 +77,20 @@ void SimulatedCubemars::set_power(bool is_on) {
   if (is_on == is_on_) return;
   is_on_ = is_on;
   if (is_on_) demand_.start(motor_.position());
-  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+  record_entered();
 }
 
-/// As after power-on: it calls 0 where it is.
 void SimulatedCubemars::start_anew() {
-  zero_ = motor_.position();
   set_power(false);
-  boot_ns_ = feedback_ns_ = now_ns_ + boot_delay_ns;
+  feedback_ns_ = boot_ns_;
 }
 
 void SimulatedCubemars::meet(const DriveTrouble& trouble) {
   switch (trouble.kind) {
     case Kind::emergency:
       error_ = static_cast<std::uint8_t>(trouble.value);
-      if (settings_.keeps_record) record_.reported.push_back({now_ns_, error_});
+      record_reported(error_);
       return set_power(false);
-    case Kind::put_by_hand:
-      return motor_.put(trouble.place);
-    case Kind::reboot:
-      return start_anew();
     case Kind::foreign_sender: {
       const can::Frame frame = can::cubemars_position_frame(settings_.motor_number, told_);
       send(frame);
@@ -155,9 +125,8 @@ void SimulatedCubemars::take_position(const can::CubemarsPosition& position) {
   if (told_turns_per_s_) demand_.start(motor_.position());
   told_turns_per_s_.reset();
   set_power(true);
-  if (!first_target_) first_target_ = position.position;
-  has_been_moved_ = has_been_moved_ || position.position != *first_target_;
-  if (settings_.keeps_record) record_.applied.push_back({now_ns_, turns_of(position.position)});
+  note_target(position.position);
+  record_applied(turns_of(position.position));
 }
 
 }  // namespace inbetween

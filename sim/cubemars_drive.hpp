@@ -4,10 +4,9 @@
 #include <optional>
 
 #include "inbetween/can/cubemars.hpp"
-#include "sim/drive_trouble.hpp"
-#include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_motor.hpp"
 #include "sim/simulated_ramp.hpp"
+#include "sim/simulated_servo.hpp"
 
 namespace inbetween {
 
@@ -24,50 +23,34 @@ struct SimulatedCubemarsSettings {
 /// An AK motor in servo mode, frame in and frame out: feedback in its own rhythm, in tenths of a degree that
 /// go round; positions with limits, of which the first gives it power, and current. It has no watchdog. An
 /// error takes its power away for as long as it lasts.
-class SimulatedCubemars final : public SimulatedCanDrive {
+class SimulatedCubemars final : public SimulatedServo<can::Frame> {
  public:
   /// Powered on at `now_ns`.
   SimulatedCubemars(const SimulatedCubemarsSettings& settings, std::int64_t now_ns);
 
-  void advance(std::int64_t now_ns) override;
   void receive(const can::Frame& frame) override;
-  void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
-  [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
-  [[nodiscard]] double position() const override { return motor_.position(); }
-  [[nodiscard]] double velocity() const override { return motor_.velocity(); }
   [[nodiscard]] const char* state_name() const override;
   [[nodiscard]] bool misses_something() const override { return false; }
-  DriveRecord take_record() override;
 
  private:
-  using Kind = DriveTrouble::Kind;
-  void send(const can::Frame& frame);
-  void start_anew();
+  void live(double seconds) override;
+  void start_anew() override;
   void step(double seconds);
   void report();
-  void meet(const DriveTrouble& trouble);
+  void meet(const DriveTrouble& trouble) override;
   void set_power(bool is_on);
   void take_position(const can::CubemarsPosition& position);
   void take_speed(std::int32_t erpm);
   [[nodiscard]] can::Frame feedback() const;
   [[nodiscard]] double turns_of(std::int32_t counts) const;
-  [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }
 
   SimulatedCubemarsSettings settings_;
-  SimulatedMotor motor_;
-  std::int64_t now_ns_;
-  std::int64_t boot_ns_;
   std::int64_t feedback_ns_;
   bool is_on_ = false;
   std::uint8_t error_ = 0;
-  double zero_ = 0;  ///< where its encoder counts from
   can::CubemarsPosition told_;
   std::optional<double> told_turns_per_s_;  ///< instead of a position
   SimulatedRamp demand_;
-  std::optional<std::int32_t> first_target_;
-  bool has_been_moved_ = false;
-  DriveRecord record_;
-  DriveTroubles troubles_;
 };
 
 }  // namespace inbetween

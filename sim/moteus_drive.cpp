@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace inbetween {
 namespace {
@@ -14,8 +13,6 @@ using can::MoteusMode;
 using can::MoteusRegister;
 using can::MoteusType;
 
-/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
-constexpr std::int64_t step_ns = 250'000;
 constexpr std::int64_t boot_delay_ns = 50'000'000;
 constexpr std::uint32_t everybody = 0x7F;
 constexpr int outside_limits = 39;
@@ -29,14 +26,7 @@ bool is_reserved_for_int32(MoteusRegister reg) {
 }  // namespace
 
 SimulatedMoteus::SimulatedMoteus(const SimulatedMoteusSettings& settings, std::int64_t now_ns)
-    : settings_(settings),
-      motor_(settings.motor, settings.turns),
-      now_ns_(now_ns),
-      boot_ns_(now_ns + boot_delay_ns) {}
-
-DriveRecord SimulatedMoteus::take_record() {
-  return std::exchange(record_, {});
-}
+    : SimulatedServo(settings, now_ns, boot_delay_ns), settings_(settings) {}
 
 const char* SimulatedMoteus::state_name() const {
   switch (mode_) {
@@ -55,28 +45,23 @@ const char* SimulatedMoteus::state_name() const {
 
 // --- its time
 
-void SimulatedMoteus::advance(std::int64_t now_ns) {
-  while (now_ns_ < now_ns) {
-    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
-    now_ns_ += ns;
-    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
-    const std::int64_t underway_ns = now_ns_ - enabling_ns_;
-    // It is enabling, then calibrates its current sensors, in three parts of the delay.
-    if (mode_ == MoteusMode::enabling && 3 * underway_ns >= settings_.enable_delay_ns) {
-      enter(MoteusMode::calibrating);
-    } else if (mode_ == MoteusMode::calibrating && 3 * underway_ns >= 2 * settings_.enable_delay_ns) {
-      enter(MoteusMode::calibrated);
-    } else if (mode_ == MoteusMode::calibrated && underway_ns >= settings_.enable_delay_ns) {
-      begin_position();
-    }
-    step(static_cast<double>(ns) * 1e-9);
-    // Not a number: it never expires. 0: as the settings say.
-    const double said_ns = command_.watchdog_s * 1e9;
-    const double wait_ns = said_ns == 0 ? static_cast<double>(settings_.watchdog_ns) : said_ns;
-    const bool is_silent = static_cast<double>(now_ns_ - fed_ns_) > wait_ns;
-    if (mode_ == MoteusMode::position && watches_ && is_silent) enter(MoteusMode::timeout);
-    flood();
+void SimulatedMoteus::live(double seconds) {
+  const std::int64_t underway_ns = now_ns_ - enabling_ns_;
+  // It is enabling, then calibrates its current sensors, in three parts of the delay.
+  if (mode_ == MoteusMode::enabling && 3 * underway_ns >= settings_.enable_delay_ns) {
+    enter(MoteusMode::calibrating);
+  } else if (mode_ == MoteusMode::calibrating && 3 * underway_ns >= 2 * settings_.enable_delay_ns) {
+    enter(MoteusMode::calibrated);
+  } else if (mode_ == MoteusMode::calibrated && underway_ns >= settings_.enable_delay_ns) {
+    begin_position();
   }
+  step(seconds);
+  // Not a number: it never expires. 0: as the settings say.
+  const double said_ns = command_.watchdog_s * 1e9;
+  const double wait_ns = said_ns == 0 ? static_cast<double>(settings_.watchdog_ns) : said_ns;
+  const bool is_silent = static_cast<double>(now_ns_ - fed_ns_) > wait_ns;
+  if (mode_ == MoteusMode::position && watches_ && is_silent) enter(MoteusMode::timeout);
+  flood();
 }
 
 void SimulatedMoteus::step(double seconds) {
@@ -93,10 +78,7 @@ void SimulatedMoteus::step(double seconds) {
                          seconds);
   }
   if (mode_ == MoteusMode::timeout) return motor_.follow({.position = motor_.position()}, seconds);
-  motor_.coast(seconds);
-  if (has_trouble(Kind::sink)) {
-    motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
-  }
+  coast(seconds);
 }
 
 void SimulatedMoteus::flood() {
@@ -111,38 +93,29 @@ void SimulatedMoteus::flood() {
 void SimulatedMoteus::enter(MoteusMode mode) {
   if (mode == mode_) return;
   mode_ = mode;
-  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+  record_entered();
   // Without torque nobody waits for it.
-  if (mode == MoteusMode::timeout && settings_.keeps_record && has_torque()) {
-    record_.reported.push_back({now_ns_, can::moteus_timeout_error});
-  }
+  if (mode == MoteusMode::timeout && has_torque()) record_reported(can::moteus_timeout_error);
 }
 
 void SimulatedMoteus::fail(int fault) {
   if (mode_ == MoteusMode::fault) return;
   fault_ = fault;
-  if (settings_.keeps_record) record_.reported.push_back({now_ns_, static_cast<std::uint32_t>(fault)});
+  record_reported(static_cast<std::uint32_t>(fault));
   enter(MoteusMode::fault);
 }
 
-/// As after power-on: an incremental encoder calls 0 where it is.
 void SimulatedMoteus::start_anew() {
-  zero_ = motor_.position();
   settings_.home_state = 0;
   fault_ = 0;
   command_ = {};
   enter(MoteusMode::stopped);
-  boot_ns_ = now_ns_ + boot_delay_ns;
 }
 
 void SimulatedMoteus::meet(const DriveTrouble& trouble) {
   switch (trouble.kind) {
     case Kind::emergency:
       return fail(trouble.value);
-    case Kind::put_by_hand:
-      return motor_.put(trouble.place);
-    case Kind::reboot:
-      return start_anew();
     case Kind::no_watchdog:
       watches_ = false;
       return;
@@ -151,8 +124,7 @@ void SimulatedMoteus::meet(const DriveTrouble& trouble) {
       FdFrame frame{.id = can::FrameId::standard(1U << 8 | settings_.node.value())};
       can::MoteusWriter writer(frame);
       writer.write(MoteusRegister::mode, MoteusType::int8, std::array{10.0});
-      writer.write(MoteusRegister::command_position, MoteusType::float32,
-                   std::array{motor_.position() - zero_});
+      writer.write(MoteusRegister::command_position, MoteusType::float32, std::array{here()});
       if (!writer.finish()) return;
       send(frame);
       return receive(frame);
@@ -220,7 +192,7 @@ std::optional<double> SimulatedMoteus::register_value(const MoteusItem& item) co
     case MoteusRegister::mode:
       return static_cast<double>(mode_);
     case MoteusRegister::position:
-      return motor_.position() - zero_;
+      return here();
     case MoteusRegister::velocity:
       return motor_.velocity();
     case MoteusRegister::torque:
@@ -297,9 +269,8 @@ void SimulatedMoteus::obey(const Command& command) {
 }
 
 void SimulatedMoteus::begin_position() {
-  const double here = motor_.position() - zero_;
-  if (here < settings_.min_turns || here > settings_.max_turns) return fail(outside_limits);
-  control_ = here;
+  if (here() < settings_.min_turns || here() > settings_.max_turns) return fail(outside_limits);
+  control_ = here();
   enter(MoteusMode::position);
   take_target(command_);
 }
@@ -307,12 +278,10 @@ void SimulatedMoteus::begin_position() {
 void SimulatedMoteus::take_target(const Command& command) {
   if (has_trouble(Kind::ignore_target)) return;
   command_ = command;
-  control_ = std::isnan(command.position) ? motor_.position() - zero_ : command.position;
+  control_ = std::isnan(command.position) ? here() : command.position;
   if (!has_torque()) return;
-  if (!first_target_) first_target_ = control_;
-  constexpr double of_noise = 1e-4;
-  has_been_moved_ = has_been_moved_ || std::fabs(control_ - *first_target_) > of_noise;
-  if (settings_.keeps_record) record_.applied.push_back({now_ns_, control_});
+  note_target(control_);
+  record_applied(control_);
 }
 
 }  // namespace inbetween

@@ -6,9 +6,8 @@
 
 #include "inbetween/can/moteus.hpp"
 #include "inbetween/can/moteus_register.hpp"
-#include "sim/drive_trouble.hpp"
-#include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_motor.hpp"
+#include "sim/simulated_servo.hpp"
 
 namespace inbetween {
 
@@ -30,25 +29,18 @@ struct SimulatedMoteusSettings {
 /// one, commands that are complete or nothing, a control position that goes on by its velocity, the watchdog
 /// of the last command, faults. When its watchdog has expired it brakes the motor to rest (servo.timeout_mode
 /// 12).
-class SimulatedMoteus final : public SimulatedFdDrive {
+class SimulatedMoteus final : public SimulatedServo<can::FdFrame> {
  public:
   /// Powered on at `now_ns`.
   SimulatedMoteus(const SimulatedMoteusSettings& settings, std::int64_t now_ns);
 
-  void advance(std::int64_t now_ns) override;
   void receive(const can::FdFrame& frame) override;
-  void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
-  [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
-  [[nodiscard]] double position() const override { return motor_.position(); }
-  [[nodiscard]] double velocity() const override { return motor_.velocity(); }
   [[nodiscard]] const char* state_name() const override;
   [[nodiscard]] bool misses_something() const override { return mode_ == can::MoteusMode::timeout; }
-  DriveRecord take_record() override;
 
   [[nodiscard]] can::MoteusMode mode() const { return mode_; }
 
  private:
-  using Kind = DriveTrouble::Kind;
   /// What a frame has written. Each has the values of a command that does not say them.
   struct Command {
     std::optional<double> mode;
@@ -64,31 +56,23 @@ class SimulatedMoteus final : public SimulatedFdDrive {
   void obey(const Command& command);
   void take_target(const Command& command);
   void begin_position();
-  void start_anew();
+  void live(double seconds) override;
+  void start_anew() override;
   void step(double seconds);
-  void meet(const DriveTrouble& trouble);
+  void meet(const DriveTrouble& trouble) override;
   void enter(can::MoteusMode mode);
   void fail(int fault);
   void flood();
   [[nodiscard]] bool has_torque() const { return !(command_.max_torque == 0); }
-  [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }
 
   SimulatedMoteusSettings settings_;
-  SimulatedMotor motor_;
-  std::int64_t now_ns_;
-  std::int64_t boot_ns_;
   std::int64_t fed_ns_ = 0;  ///< by the last command
   can::MoteusMode mode_ = can::MoteusMode::stopped;
   int fault_ = 0;
   std::int64_t enabling_ns_ = 0;  ///< since when it is on its way
   Command command_;
   double control_ = 0;  ///< the position that it holds, in its turns
-  double zero_ = 0;     ///< where its encoder counts from
   bool watches_ = true;
-  std::optional<double> first_target_;
-  bool has_been_moved_ = false;
-  DriveRecord record_;
-  DriveTroubles troubles_;
 };
 
 }  // namespace inbetween

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace inbetween {
 namespace {
@@ -11,8 +10,6 @@ namespace {
 using can::OdriveFamily;
 using can::OdriveMessage;
 
-/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
-constexpr std::int64_t step_ns = 250'000;
 constexpr std::int64_t boot_delay_ns = 50'000'000;
 constexpr std::uint8_t busy = 1;
 constexpr std::uint8_t disarmed = 3;
@@ -27,53 +24,32 @@ constexpr std::uint32_t stopped_error(OdriveFamily family) {
 }  // namespace
 
 SimulatedOdrive::SimulatedOdrive(const SimulatedOdriveSettings& settings, std::int64_t now_ns)
-    : settings_(settings),
-      motor_(settings.motor, settings.turns),
-      now_ns_(now_ns),
-      boot_ns_(now_ns + boot_delay_ns),
+    : SimulatedServo(settings, now_ns, boot_delay_ns),
+      settings_(settings),
       heartbeat_ns_(boot_ns_),
       // Two drives have their own rhythms.
       estimates_ns_(boot_ns_ + settings.node.value() * std::int64_t{700'000}),
       fed_ns_(boot_ns_) {}
-
-void SimulatedOdrive::send(const can::Frame& frame) {
-  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) put_frame(frame);
-}
-
-DriveRecord SimulatedOdrive::take_record() {
-  return std::exchange(record_, {});
-}
 
 const char* SimulatedOdrive::state_name() const {
   if (is_on()) return "closed loop";
   return (errors_ & ~can::odrive_watchdog_error(settings_.family)) != 0 ? "fault" : "idle";
 }
 
-void SimulatedOdrive::advance(std::int64_t now_ns) {
-  while (now_ns_ < now_ns) {
-    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
-    now_ns_ += ns;
-    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
-    if (on_ns_ && now_ns_ >= *on_ns_) enter(can::odrive_closed_loop);
-    step(static_cast<double>(ns) * 1e-9);
-    if (now_ns_ < boot_ns_) continue;
-    const bool is_watched = settings_.watchdog_ns > 0;
-    if (is_watched && now_ns_ - fed_ns_ > settings_.watchdog_ns) {
-      fail(can::odrive_watchdog_error(settings_.family));
-    }
-    report();
+void SimulatedOdrive::live(double seconds) {
+  if (on_ns_ && now_ns_ >= *on_ns_) enter(can::odrive_closed_loop);
+  step(seconds);
+  if (now_ns_ < boot_ns_) return;
+  const bool is_watched = settings_.watchdog_ns > 0;
+  if (is_watched && now_ns_ - fed_ns_ > settings_.watchdog_ns) {
+    fail(can::odrive_watchdog_error(settings_.family));
   }
+  report();
 }
 
 void SimulatedOdrive::step(double seconds) {
   motor_.hold(has_trouble(Kind::stick));
-  if (!is_on()) {
-    motor_.coast(seconds);
-    if (has_trouble(Kind::sink)) {
-      motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
-    }
-    return;
-  }
+  if (!is_on()) return coast(seconds);
   if (const auto speed = troubles_.place(Kind::run_away, now_ns_))
     return motor_.follow_speed(*speed, seconds);
   motor_.follow({.position = static_cast<double>(input_.turns) + zero_, .velocity = input_.turns_per_s},
@@ -110,7 +86,7 @@ can::Frame SimulatedOdrive::heartbeat() const {
 }
 
 can::Frame SimulatedOdrive::estimates() const {
-  return can::odrive_estimates_frame(settings_.node, static_cast<float>(motor_.position() - zero_),
+  return can::odrive_estimates_frame(settings_.node, static_cast<float>(here()),
                                      static_cast<float>(motor_.velocity()));
 }
 
@@ -118,8 +94,8 @@ void SimulatedOdrive::enter(std::uint8_t state) {
   on_ns_.reset();
   if (state == state_) return;
   state_ = state;
-  if (is_on()) input_.turns = static_cast<float>(motor_.position() - zero_);
-  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+  if (is_on()) input_.turns = static_cast<float>(here());
+  record_entered();
 }
 
 void SimulatedOdrive::fail(std::uint32_t errors) {
@@ -127,35 +103,29 @@ void SimulatedOdrive::fail(std::uint32_t errors) {
   errors_ |= errors;
   const bool is_of_silence = errors == can::odrive_watchdog_error(settings_.family);
   // A drive without power that nobody speaks to complains of nothing that anybody waits for.
-  if (settings_.keeps_record && (is_on() || !is_of_silence)) record_.reported.push_back({now_ns_, errors});
+  if (is_on() || !is_of_silence) record_reported(errors);
   enter(can::odrive_idle);
 }
 
-/// As after power-on: an incremental encoder calls 0 where it is.
 void SimulatedOdrive::start_anew() {
-  zero_ = motor_.position();
   errors_ = 0;
   input_ = {};
   enter(can::odrive_idle);
-  boot_ns_ = heartbeat_ns_ = estimates_ns_ = fed_ns_ = now_ns_ + boot_delay_ns;
+  heartbeat_ns_ = estimates_ns_ = fed_ns_ = boot_ns_;
 }
 
 void SimulatedOdrive::meet(const DriveTrouble& trouble) {
   switch (trouble.kind) {
     case Kind::emergency:
       return fail(static_cast<std::uint32_t>(trouble.value));
-    case Kind::put_by_hand:
-      return motor_.put(trouble.place);
-    case Kind::reboot:
-      return start_anew();
     case Kind::switched_off:
       return enter(can::odrive_idle);
     case Kind::no_watchdog:
       settings_.watchdog_ns = 0;
       return;
     case Kind::foreign_sender: {
-      const auto here = static_cast<float>(motor_.position() - zero_);
-      const can::Frame frame = *can::odrive_position_frame(settings_.node, {.turns = here});
+      const can::Frame frame =
+          *can::odrive_position_frame(settings_.node, {.turns = static_cast<float>(here())});
       send(frame);
       return receive(frame);
     }
@@ -176,7 +146,7 @@ void SimulatedOdrive::receive(const can::Frame& frame) {
     case OdriveMessage::axis_state:
       return obey_state(std::uint32_t{frame.data[0]});
     case OdriveMessage::controller_mode:
-      input_.turns = static_cast<float>(motor_.position() - zero_);
+      input_.turns = static_cast<float>(here());
       return;
     case OdriveMessage::input_position:
       if (const auto position = can::read_odrive_position(frame, settings_.node)) take_position(*position);
@@ -206,13 +176,9 @@ void SimulatedOdrive::obey_state(std::uint32_t state) {
 void SimulatedOdrive::take_position(const can::OdrivePosition& position) {
   if (!has_trouble(Kind::ignore_target)) input_ = position;
   if (!is_on()) return;
-  if (!first_target_) first_target_ = position.turns;
-  constexpr float of_noise =
-      1e-4F;  // it is told where it is, by its own estimate, until it is known to be on
-  has_been_moved_ = has_been_moved_ || std::fabs(position.turns - *first_target_) > of_noise;
-  if (settings_.keeps_record) {
-    record_.applied.push_back({now_ns_, static_cast<double>(position.turns)});
-  }
+  const auto turns = static_cast<double>(position.turns);
+  note_target(turns);
+  record_applied(turns);
 }
 
 void SimulatedOdrive::answer(const can::Frame& question) {

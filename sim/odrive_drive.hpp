@@ -4,9 +4,8 @@
 #include <optional>
 
 #include "inbetween/can/odrive.hpp"
-#include "sim/drive_trouble.hpp"
-#include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_motor.hpp"
+#include "sim/simulated_servo.hpp"
 
 namespace inbetween {
 
@@ -29,31 +28,24 @@ struct SimulatedOdriveSettings {
 /// rhythm, answers to remote frames, idle and closed loop, position control by passthrough, errors and a
 /// watchdog that every frame to it feeds. When it is switched on it takes for its position the one that it
 /// has; it does not forget an old feed-forward by that. Without power its motor coasts.
-class SimulatedOdrive final : public SimulatedCanDrive {
+class SimulatedOdrive final : public SimulatedServo<can::Frame> {
  public:
   /// Powered on at `now_ns`.
   SimulatedOdrive(const SimulatedOdriveSettings& settings, std::int64_t now_ns);
 
-  void advance(std::int64_t now_ns) override;
   void receive(const can::Frame& frame) override;
-  void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
-  [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
-  [[nodiscard]] double position() const override { return motor_.position(); }
-  [[nodiscard]] double velocity() const override { return motor_.velocity(); }
   [[nodiscard]] const char* state_name() const override;
   [[nodiscard]] bool misses_something() const override { return false; }  // it misses whoever is silent
-  DriveRecord take_record() override;
 
   [[nodiscard]] bool is_on() const { return state_ == can::odrive_closed_loop; }
   [[nodiscard]] std::uint32_t errors() const { return errors_; }
 
  private:
-  using Kind = DriveTrouble::Kind;
-  void send(const can::Frame& frame);
-  void start_anew();
+  void live(double seconds) override;
+  void start_anew() override;
   void step(double seconds);
   void report();
-  void meet(const DriveTrouble& trouble);
+  void meet(const DriveTrouble& trouble) override;
   void enter(std::uint8_t state);
   void fail(std::uint32_t errors);
   void obey_state(std::uint32_t state);
@@ -62,24 +54,15 @@ class SimulatedOdrive final : public SimulatedCanDrive {
   [[nodiscard]] std::uint32_t part_errors(std::size_t part) const;
   [[nodiscard]] can::Frame heartbeat() const;
   [[nodiscard]] can::Frame estimates() const;
-  [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }
 
   SimulatedOdriveSettings settings_;
-  SimulatedMotor motor_;
-  std::int64_t now_ns_;
-  std::int64_t boot_ns_;
   std::int64_t heartbeat_ns_;
   std::int64_t estimates_ns_;
   std::int64_t fed_ns_;
   std::uint8_t state_ = can::odrive_idle;
   std::optional<std::int64_t> on_ns_;  ///< when it will be switched on
   std::uint32_t errors_ = 0;
-  double zero_ = 0;  ///< where its encoder counts from
   can::OdrivePosition input_;
-  std::optional<float> first_target_;
-  bool has_been_moved_ = false;
-  DriveRecord record_;
-  DriveTroubles troubles_;
 };
 
 }  // namespace inbetween

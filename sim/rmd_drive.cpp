@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "inbetween/can/little_endian.hpp"
 
@@ -12,8 +11,6 @@ namespace {
 
 using can::RmdCommand;
 
-/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
-constexpr std::int64_t step_ns = 250'000;
 constexpr std::int64_t boot_delay_ns = 200'000'000;
 constexpr double deg_per_turn = 360;
 constexpr std::uint8_t write_acceleration = 0x43;
@@ -22,37 +19,21 @@ constexpr std::uint8_t motion_status = 0x9C;  // answered as a position is
 }  // namespace
 
 SimulatedRmd::SimulatedRmd(const SimulatedRmdSettings& settings, std::int64_t now_ns)
-    : settings_(settings),
-      motor_(settings.motor, settings.turns),
-      now_ns_(now_ns),
-      boot_ns_(now_ns + boot_delay_ns) {}
-
-void SimulatedRmd::send(const can::Frame& frame) {
-  if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) put_frame(frame);
-}
-
-DriveRecord SimulatedRmd::take_record() {
-  return std::exchange(record_, {});
-}
+    : SimulatedServo(settings, now_ns, boot_delay_ns), settings_(settings) {}
 
 const char* SimulatedRmd::state_name() const {
   if (errors_ != 0) return "fault";
   return state_ == State::off ? "off" : state_ == State::stopped ? "stopped" : "position";
 }
 
-void SimulatedRmd::advance(std::int64_t now_ns) {
-  while (now_ns_ < now_ns) {
-    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
-    now_ns_ += ns;
-    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
-    step(static_cast<double>(ns) * 1e-9);
-    if (now_ns_ < boot_ns_) continue;
-    if (watchdog_ns_ > 0 && now_ns_ - fed_ns_ > watchdog_ns_) enter(State::off);
-    for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
-      can::Frame frame = can::rmd_motion_frame(settings_.motor_number, {});
-      frame.data[0] = motion_status;
-      send(frame);
-    }
+void SimulatedRmd::live(double seconds) {
+  step(seconds);
+  if (now_ns_ < boot_ns_) return;
+  if (watchdog_ns_ > 0 && now_ns_ - fed_ns_ > watchdog_ns_) enter(State::off);
+  for (std::int64_t due = troubles_.flood(now_ns_); due > 0; --due) {
+    can::Frame frame = can::rmd_motion_frame(settings_.motor_number, {});
+    frame.data[0] = motion_status;
+    send(frame);
   }
 }
 
@@ -62,11 +43,7 @@ void SimulatedRmd::step(double seconds) {
   if (state_ != State::off && speed) return motor_.follow_speed(*speed, seconds);
   switch (state_) {
     case State::off:
-      motor_.coast(seconds);
-      if (has_trouble(Kind::sink)) {
-        motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
-      }
-      return;
+      return coast(seconds);
     case State::stopped:
       return motor_.follow({.position = demand_.position}, seconds);
     case State::in_position:
@@ -83,32 +60,25 @@ void SimulatedRmd::enter(State state) {
   if (state == state_) return;
   if (state == State::stopped || state_ == State::off) demand_.start(motor_.position());
   state_ = state;
-  if (settings_.keeps_record) record_.entered.push_back({now_ns_, state_name(), motor_.velocity()});
+  record_entered();
 }
 
-/// As after power-on: an incremental encoder calls 0 where it is, and nobody has set a watchdog.
 void SimulatedRmd::start_anew() {
-  zero_ = motor_.position();
   errors_ = 0;
   watchdog_ns_ = 0;
   enter(State::off);
-  boot_ns_ = now_ns_ + boot_delay_ns;
 }
 
 void SimulatedRmd::meet(const DriveTrouble& trouble) {
   switch (trouble.kind) {
     case Kind::emergency:
       errors_ |= static_cast<std::uint16_t>(trouble.value);
-      if (settings_.keeps_record) record_.reported.push_back({now_ns_, errors_});
+      record_reported(errors_);
       return enter(State::off);
-    case Kind::put_by_hand:
-      return motor_.put(trouble.place);
-    case Kind::reboot:
-      return start_anew();
     case Kind::foreign_sender: {
-      const double here = (motor_.position() - zero_) * can::rmd_steps_per_turn;
+      const double steps = here() * can::rmd_steps_per_turn;
       const can::Frame frame =
-          can::rmd_position_frame(settings_.motor_number, {.steps = static_cast<std::int32_t>(here)});
+          can::rmd_position_frame(settings_.motor_number, {.steps = static_cast<std::int32_t>(steps)});
       send(frame);
       return receive(frame);
     }
@@ -143,7 +113,7 @@ void SimulatedRmd::obey(const can::Frame& frame) {
       return send(echo);
     case RmdCommand::read_angle: {
       if (has_trouble(Kind::lose_feedback)) return;
-      const double steps = std::round((motor_.position() - zero_) * can::rmd_steps_per_turn);
+      const double steps = std::round(here() * can::rmd_steps_per_turn);
       can::Frame angle = can::rmd_angle_frame(settings_.motor_number, static_cast<std::int32_t>(steps));
       if (troubles_.takes_frame(Kind::shorten, now_ns_)) --angle.length;
       return send(angle);
@@ -186,12 +156,9 @@ void SimulatedRmd::take_position(const can::RmdPosition& position) {
     target_ = position.steps / can::rmd_steps_per_turn;
     max_turns_per_s_ = position.max_deg_per_s / deg_per_turn;
   }
-  if (!first_target_) first_target_ = position.steps;
-  has_been_moved_ = has_been_moved_ || position.steps != *first_target_;
-  if (settings_.keeps_record && state_ == State::in_position) {
-    record_.applied.push_back({now_ns_, position.steps / can::rmd_steps_per_turn});
-  }
-  const auto degrees = static_cast<std::int64_t>(std::trunc((motor_.position() - zero_) * deg_per_turn));
+  note_target(position.steps);
+  if (state_ == State::in_position) record_applied(position.steps / can::rmd_steps_per_turn);
+  const auto degrees = static_cast<std::int64_t>(std::trunc(here() * deg_per_turn));
   const double deg_per_s = std::clamp(motor_.velocity() * deg_per_turn, -32'767.0, 32'767.0);
   send(can::rmd_motion_frame(settings_.motor_number,
                              {.celsius = 30,
