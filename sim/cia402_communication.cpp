@@ -101,7 +101,7 @@ void SimulatedCia402Drive::raise_error(std::uint16_t code, std::uint8_t error_re
   objects_.set(0x1001, 0, error_register);
   objects_.set(0x603F, 0, code);
   if (is_booting_ || nmt_ == NmtState::stopped) return;
-  if (settings_.keeps_record) reported_.push_back({.at_ns = now_ns_, .code = code});
+  if (settings_.keeps_record) record_.reported.push_back({.at_ns = now_ns_, .code = code});
   send(can::emergency_frame(node(), {.code = code, .error_register = error_register}));
 }
 
@@ -366,7 +366,9 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
         objects_.value(is_interpolated ? settings_now().set_point : settings_now().target));
     if (!first_target_) first_target_ = target;
     has_been_moved_ = has_been_moved_ || target != *first_target_;
-    if (settings_.keeps_record) applied_.push_back({.at_ns = now_ns_, .target = target});
+    if (settings_.keeps_record) {
+      record_.applied.push_back({.at_ns = now_ns_, .target = static_cast<double>(target)});
+    }
   }
   send_pdos();
 }

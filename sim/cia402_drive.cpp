@@ -274,7 +274,7 @@ void SimulatedCia402Drive::enter(Cia402State state) {
     demand_velocity_ = motor_.velocity();
   }
   if (settings_.keeps_record && state != state_)
-    entered_.push_back({.at_ns = now_ns_, .state = state, .velocity = motor_.velocity()});
+    record_.entered.push_back({now_ns_, can::name_of(state), motor_.velocity()});
   state_ = state;
 }
 

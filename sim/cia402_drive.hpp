@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "inbetween/can/canopen_id.hpp"
@@ -33,7 +34,7 @@ struct SimulatedCia402Settings {
   bool counts_from_power_on = false;  ///< it tells 0 where it stands at power-on
   std::vector<DriveTrouble> troubles{};
   std::optional<ObjectDictionary> objects{};  ///< at power-on; without, those of a drive of no make
-  bool keeps_record = false;  ///< applied(), entered() and reported(), which grow with every tick
+  bool keeps_record = false;                  ///< which grows with every tick
 };
 
 /// A CiA 402 drive with its motor, frame in and frame out: an object dictionary with the mapping rules of CiA
@@ -50,26 +51,9 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   void advance(std::int64_t now_ns) override;
   void receive(const can::Frame& frame) override;
 
-  /// A target that was applied by SYNC while the drive was in operation.
-  struct Applied {
-    std::int64_t at_ns;
-    std::int32_t target;
-  };
-  struct Entered {
-    std::int64_t at_ns;
-    can::Cia402State state;
-    double velocity;  ///< of the motor at that moment, counts/s
-  };
-  struct Reported {
-    std::int64_t at_ns;
-    std::uint16_t code;  ///< 0: the errors are gone
-  };
-  /// Its own record, where it was asked for: the targets from the first time that it was in operation, its
-  /// states, and the emergencies that it sent; since power-on, or since they were taken.
-  [[nodiscard]] const std::vector<Applied>& applied() const { return applied_; }
-  [[nodiscard]] const std::vector<Entered>& entered() const { return entered_; }
-  [[nodiscard]] const std::vector<Reported>& reported() const { return reported_; }
-  DriveRecord take_record() override;
+  /// Since power-on, or since it was taken. A target is one that SYNC applied while it was in operation.
+  [[nodiscard]] const DriveRecord& record() const { return record_; }
+  DriveRecord take_record() override { return std::exchange(record_, {}); }
   [[nodiscard]] bool misses_something() const override { return missing_ != 0; }
   [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
 
@@ -241,9 +225,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   ObjectDictionary defaults_;
   SimulatedMotor motor_;
   std::int64_t now_ns_;
-  std::vector<Applied> applied_;
-  std::vector<Entered> entered_;
-  std::vector<Reported> reported_;
+  DriveRecord record_;
   std::optional<std::int32_t> first_target_;
   bool has_been_moved_ = false;
 

@@ -95,19 +95,4 @@ void SimulatedCia402Drive::babble() {
   }
 }
 
-DriveRecord SimulatedCia402Drive::take_record() {
-  DriveRecord record;
-  for (const Applied& applied : applied_) {
-    record.applied.push_back({applied.at_ns, static_cast<double>(applied.target)});
-  }
-  for (const Entered& entered : entered_) {
-    record.entered.push_back({entered.at_ns, can::name_of(entered.state), entered.velocity});
-  }
-  for (const Reported& reported : reported_) record.reported.push_back({reported.at_ns, reported.code});
-  applied_.clear();
-  entered_.clear();
-  reported_.clear();
-  return record;
-}
-
 }  // namespace inbetween

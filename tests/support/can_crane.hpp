@@ -156,12 +156,13 @@ struct CanCrane {
   void expect_ceased_setpoints() {
     ASSERT_TRUE(tick_until(State::faulted, 100)) << name_of(loop().state());
     tick(2);
-    const std::size_t first = drives[0].applied().size();
+    const std::size_t first = drives[0].record().applied.size();
     tick(300);
-    for (std::size_t i = first; i < drives[0].applied().size(); ++i) {
-      EXPECT_EQ(drives[0].applied()[i].target, drives[0].applied()[first].target) << "a target was sent";
+    for (std::size_t i = first; i < drives[0].record().applied.size(); ++i) {
+      EXPECT_EQ(drives[0].record().applied[i].target, drives[0].record().applied[first].target)
+          << "a target was sent";
     }
-    EXPECT_LE(drives[0].applied().size(), first + 50) << "its watchdog has ended it";
+    EXPECT_LE(drives[0].record().applied.size(), first + 50) << "its watchdog has ended it";
     for (const SimulatedCia402Drive& drive : drives) EXPECT_NEAR(drive.velocity(), 0, 1);
   }
 };

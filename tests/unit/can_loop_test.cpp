@@ -26,18 +26,18 @@ void add(SimulatedCia402Drive& drive, DriveTrouble::Kind kind, std::int64_t at_n
 TEST(CanLoop, PlaysAMoveAndTheDrivesOwnRecordIsThePlan) {
   Crane crane;
   crane.start();
-  const std::size_t before = crane.drives[0].applied().size();
+  const std::size_t before = crane.drives[0].record().applied.size();
   ASSERT_TRUE(crane.tick_until(State::ready));
   crane.tick(100);
   const std::int64_t last = last_tick(96, {24, 1}, 250);
   std::array<double, 2> expected{};
   for (std::size_t d = 0; d < 2; ++d) {
-    const auto& applied = crane.drives[d].applied();
+    const auto& applied = crane.drives[d].record().applied;
     ASSERT_GT(applied.size(), before + static_cast<std::size_t>(last) + 2);
     for (std::int64_t tick = 1; tick <= last; ++tick) {
       crane.plan.motion().positions(frame_time_of_tick(tick, {24, 1}, 250), expected);
       // A target acts one tick after it was given, and the bus is heard in the tick after.
-      const std::int32_t target = applied[before + static_cast<std::size_t>(tick) + 1].target;
+      const double target = applied[before + static_cast<std::size_t>(tick) + 1].target;
       ASSERT_NEAR(target, expected[d] * counts_per_unit, 0.5001) << "axis " << d << ", tick " << tick;
     }
   }

@@ -94,7 +94,7 @@ TEST_F(CanRig, TheDrivesOwnRecordIsWhatWasSentATickBefore) {
   hold(2);
   std::vector<std::vector<std::int32_t>> sent(3);
   std::vector<std::size_t> recorded;
-  for (std::size_t axis = 0; axis < 3; ++axis) recorded.push_back(rig->drive(axis).applied().size());
+  for (std::size_t axis = 0; axis < 3; ++axis) recorded.push_back(rig->drive(axis).record().applied.size());
   const std::int64_t begin = rig->now_ns;
   for (int i = 0; i < 500; ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -106,7 +106,7 @@ TEST_F(CanRig, TheDrivesOwnRecordIsWhatWasSentATickBefore) {
   }
   rig->tick(targets);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto& applied = rig->drive(axis).applied();
+    const auto& applied = rig->drive(axis).record().applied;
     ASSERT_EQ(applied.size(), recorded[axis] + 501);
     for (std::size_t i = 0; i < 500; ++i) {
       ASSERT_EQ(applied[recorded[axis] + 1 + i].target, sent[axis][i]) << "axis " << axis << ", tick " << i;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "inbetween/can/drive_exit.hpp"
@@ -36,8 +37,8 @@ void trouble(Crane& crane, std::size_t drive, DriveTrouble trouble) {
 /// The codes that a drive has sent, without those that say that an error is gone.
 std::vector<int> emergencies_of(const SimulatedCia402Drive& drive) {
   std::vector<int> codes;
-  for (const auto& reported : drive.reported()) {
-    if (reported.code != 0) codes.push_back(reported.code);
+  for (const auto& reported : drive.record().reported) {
+    if (reported.code != 0) codes.push_back(static_cast<int>(reported.code));
   }
   return codes;
 }
@@ -88,12 +89,13 @@ TEST(CanSwitchOff, AfterAMoveEveryDriveIsOffAndNoneReportsAnEmergency) {
   expect_quiet_end(crane);
   for (const can::Cia402Drive& host : crane.hosts) EXPECT_EQ(host.phase(), DrivePhase::off);
   for (const SimulatedCia402Drive& drive : crane.drives) {
-    std::vector<Cia402State> last;
-    for (const auto& entered : drive.entered()) last.push_back(entered.state);
+    std::vector<std::string> last;
+    for (const auto& entered : drive.record().entered) last.push_back(entered.state);
     ASSERT_GE(last.size(), 4U);
     EXPECT_THAT(std::vector(last.end() - 4, last.end()),
-                testing::ElementsAre(Cia402State::operation_enabled, Cia402State::switched_on,
-                                     Cia402State::ready_to_switch_on, Cia402State::switch_on_disabled));
+                testing::ElementsAre(
+                    name_of(Cia402State::operation_enabled), name_of(Cia402State::switched_on),
+                    name_of(Cia402State::ready_to_switch_on), name_of(Cia402State::switch_on_disabled)));
     EXPECT_EQ(drive.objects().value(0x1400, 5), 0U);
     EXPECT_EQ(drive.objects().value(0x1006), 0U);
     EXPECT_EQ(drive.objects().value(0x1016, 1), 0U);
@@ -341,8 +343,8 @@ TEST(CanSwitchOff, AQuickStopIsNotCutShort) {
   ASSERT_EQ(crane.drives[1].state(), Cia402State::quick_stop_active);
   crane.port.front().disable();
   crane.tick(500);
-  const auto& entered = crane.drives[1].entered();
-  ASSERT_EQ(entered.back().state, Cia402State::switch_on_disabled);
+  const auto& entered = crane.drives[1].record().entered;
+  ASSERT_STREQ(entered.back().state, name_of(Cia402State::switch_on_disabled));
   EXPECT_NEAR(entered.back().velocity, 0, 300) << "no faster than what counts as rest";
 }
 

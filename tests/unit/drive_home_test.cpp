@@ -218,8 +218,8 @@ TEST_F(HomingDrive, WithoutSetpointsItsOwnWatchdogStopsIt) {
   for (int i = 0; i < 100; ++i) rig.tick();
   EXPECT_LT(std::fabs(rig.drive(0).velocity()), 1);
   EXPECT_NE(rig.drive(0).state(), can::Cia402State::operation_enabled);
-  ASSERT_FALSE(rig.drive(0).reported().empty());
-  EXPECT_EQ(rig.drive(0).reported().front().code, 0x8250) << "it missed them";
+  ASSERT_FALSE(rig.drive(0).record().reported.empty());
+  EXPECT_EQ(rig.drive(0).record().reported.front().code, 0x8250) << "it missed them";
 }
 
 TEST_F(HomingDrive, OneThatDoesNotOfferItIsRefused) {

@@ -269,15 +269,15 @@ TEST_F(SimulatedDrive, APdoOfAnotherLengthIsReported) {
 
 TEST_F(SimulatedDrive, AppliesATargetWithTheNextSync) {
   bring_to_operation();
-  const std::size_t before = drive.applied().size();
+  const std::size_t before = drive.record().applied.size();
   hear(can::command_frame(node(5), {.controlword = 0x000F, .target = 1234}));
-  EXPECT_EQ(drive.applied().size(), before);
+  EXPECT_EQ(drive.record().applied.size(), before);
   EXPECT_NE(drive.objects().value(0x607A), 1234U);
   pass(4 * ms);
   hear({.id = 0x080});
-  ASSERT_EQ(drive.applied().size(), before + 1);
-  EXPECT_EQ(drive.applied().back().target, 1234);
-  EXPECT_EQ(drive.applied().back().at_ns, now);
+  ASSERT_EQ(drive.record().applied.size(), before + 1);
+  EXPECT_EQ(drive.record().applied.back().target, 1234);
+  EXPECT_EQ(drive.record().applied.back().at_ns, now);
 }
 
 TEST_F(SimulatedDrive, ForgetsTargetsThatWaitWhenItLeavesOperational) {
@@ -287,7 +287,7 @@ TEST_F(SimulatedDrive, ForgetsTargetsThatWaitWhenItLeavesOperational) {
   obey(can::NmtCommand::enter_pre_operational);
   obey(can::NmtCommand::start);
   hear({.id = 0x080});
-  EXPECT_EQ(drive.applied().back().target, 1000);
+  EXPECT_EQ(drive.record().applied.back().target, 1000);
 }
 
 TEST_F(SimulatedDrive, ANewHeartbeatPeriodBeginsAtOnce) {

@@ -93,7 +93,7 @@ TEST_F(Trouble, AForeignSenderIsHeardByTheHostAndByTheDrive) {
   add({.kind = Kind::foreign_sender});
   const std::vector<can::Frame> frames = sent_in(1);
   EXPECT_EQ(std::ranges::count(frames, can::rpdo1_id(node), &can::Frame::id), 1);
-  EXPECT_EQ(rig.drive(0).applied().back().target, static_cast<std::int32_t>(rig.drive(0).position()));
+  EXPECT_EQ(rig.drive(0).record().applied.back().target, static_cast<std::int32_t>(rig.drive(0).position()));
 }
 
 TEST_F(Trouble, IsPutSomewhereByHand) {

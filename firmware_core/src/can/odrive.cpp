@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "inbetween/can/little_endian.hpp"
 
@@ -98,6 +99,13 @@ constexpr std::array words_of_encoder{Words{0x1, "the bandwidth is too high for 
 constexpr std::array words_of_controller{
     Words{0x1, "it was too fast"}, Words{0x2, "its input mode is not known"},
     Words{0x4, "the bandwidth is too high for the gain"}, Words{0x20, "its estimate is not valid"}};
+
+const char* words_in(std::span<const Words> table, std::uint32_t bit) {
+  for (const Words& row : table) {
+    if (row.bit == bit) return row.words;
+  }
+  return "an error that this program does not know";
+}
 
 /// 0.5 does not say its version, which is waited for.
 constexpr std::size_t questions_of_version = 3;
@@ -248,21 +256,15 @@ Frame odrive_part_frame(OdriveNode node, OdrivePart part, std::uint32_t errors) 
 }
 
 const char* words_of_odrive_part(OdrivePart part, std::uint32_t bit) {
-  const auto find = [bit](const auto& table) {
-    for (const Words& row : table) {
-      if (row.bit == bit) return row.words;
-    }
-    return "an error that this program does not know";
-  };
   switch (part) {
     case OdrivePart::motor:
-      return find(words_of_motor);
+      return words_in(words_of_motor, bit);
     case OdrivePart::encoder:
-      return find(words_of_encoder);
+      return words_in(words_of_encoder, bit);
     case OdrivePart::controller:
       break;
   }
-  return find(words_of_controller);
+  return words_in(words_of_controller, bit);
 }
 
 std::optional<std::uint64_t> read_odrive_serial(const Frame& frame, OdriveNode node) {
@@ -283,13 +285,7 @@ Frame odrive_address_frame(OdriveNode node, std::uint64_t serial) {
 }
 
 const char* words_of_odrive_error(OdriveFamily family, std::uint32_t bit) {
-  const auto find = [bit](const auto& table) {
-    for (const Words& row : table) {
-      if (row.bit == bit) return row.words;
-    }
-    return "an error that this program does not know";
-  };
-  return family == OdriveFamily::firmware_05 ? find(words_05) : find(words_06);
+  return family == OdriveFamily::firmware_05 ? words_in(words_05, bit) : words_in(words_06, bit);
 }
 
 ServoReport Odrive::read(const Frame& frame) {

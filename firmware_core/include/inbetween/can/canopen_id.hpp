@@ -2,32 +2,20 @@
 
 #include <cstdint>
 
-#include "inbetween/base/result.hpp"
+#include "inbetween/can/device_number.hpp"
 #include "inbetween/can/frame.hpp"
 
 /// Who sends what under which identifier: the pre-defined connection set of CiA 301, section 7.3.5.
 
 namespace inbetween::can {
 
-/// The number of a device on a CANopen bus, 1 to 127.
-class NodeId {
- public:
-  /// Errors: out_of_range.
-  static constexpr Result<NodeId> make(std::int64_t number) {
-    if (number < 1 || number > 127) {
-      return Error{.code = ErrorCode::out_of_range,
-                   .what = "a CANopen node is not a number from 1 to 127",
-                   .remedy = "give the number that is set on the drive"};
-    }
-    return NodeId(static_cast<std::uint8_t>(number));
-  }
-  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
-  friend constexpr bool operator==(NodeId, NodeId) = default;
-
- private:
-  constexpr explicit NodeId(std::uint8_t value) : value_(value) {}
-  std::uint8_t value_;
+struct NodeIdRange {
+  static constexpr std::int64_t min = 1, max = 127;
+  static constexpr const char* what = "a CANopen node is not a number from 1 to 127";
+  static constexpr const char* remedy = "give the number that is set on the drive";
 };
+/// The number of a device on a CANopen bus, 1 to 127.
+using NodeId = DeviceNumber<NodeIdRange>;
 
 inline constexpr FrameId nmt_id = 0x000;
 inline constexpr FrameId sync_id = 0x080;

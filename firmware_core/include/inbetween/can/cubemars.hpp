@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "inbetween/base/result.hpp"
+#include "inbetween/can/device_number.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/scale_watch.hpp"
@@ -18,25 +19,13 @@
 
 namespace inbetween::can {
 
-/// The number of a motor on its bus, 1 to 255.
-class CubemarsMotor {
- public:
-  /// Errors: out_of_range.
-  static constexpr Result<CubemarsMotor> make(std::int64_t number) {
-    if (number < 1 || number > 255) {
-      return Error{.code = ErrorCode::out_of_range,
-                   .what = "a motor of CubeMars is not a number from 1 to 255",
-                   .remedy = "give the number that is set in the motor"};
-    }
-    return CubemarsMotor(static_cast<std::uint8_t>(number));
-  }
-  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
-  friend constexpr bool operator==(CubemarsMotor, CubemarsMotor) = default;
-
- private:
-  constexpr explicit CubemarsMotor(std::uint8_t value) : value_(value) {}
-  std::uint8_t value_;
+struct CubemarsMotorRange {
+  static constexpr std::int64_t min = 1, max = 255;
+  static constexpr const char* what = "a motor of CubeMars is not a number from 1 to 255";
+  static constexpr const char* remedy = "give the number that is set in the motor";
 };
+/// The number of a motor on its bus, 1 to 255.
+using CubemarsMotor = DeviceNumber<CubemarsMotorRange>;
 
 /// The packets that are used here.
 enum class CubemarsPacket : std::uint8_t {

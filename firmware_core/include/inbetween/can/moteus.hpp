@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "inbetween/base/result.hpp"
+#include "inbetween/can/device_number.hpp"
 #include "inbetween/can/fd_frame.hpp"
 #include "inbetween/can/servo_report.hpp"
 
@@ -19,25 +19,13 @@
 
 namespace inbetween::can {
 
-/// The number of a moteus on its bus, 1 to 126; 127 is that of all.
-class MoteusNode {
- public:
-  /// Errors: out_of_range.
-  static constexpr Result<MoteusNode> make(std::int64_t number) {
-    if (number < 1 || number > 126) {
-      return Error{.code = ErrorCode::out_of_range,
-                   .what = "a node of a moteus is not a number from 1 to 126",
-                   .remedy = "give the number that is set in the drive, id.id"};
-    }
-    return MoteusNode(static_cast<std::uint8_t>(number));
-  }
-  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
-  friend constexpr bool operator==(MoteusNode, MoteusNode) = default;
-
- private:
-  constexpr explicit MoteusNode(std::uint8_t value) : value_(value) {}
-  std::uint8_t value_;
+struct MoteusNodeRange {
+  static constexpr std::int64_t min = 1, max = 126;
+  static constexpr const char* what = "a node of a moteus is not a number from 1 to 126";
+  static constexpr const char* remedy = "give the number that is set in the drive, id.id";
 };
+/// The number of a moteus on its bus, 1 to 126; 127 is that of all.
+using MoteusNode = DeviceNumber<MoteusNodeRange>;
 
 /// An identifier is the sender's number, then the receiver's. This program is 0.
 inline constexpr std::uint32_t moteus_number_bits = 0x7F;

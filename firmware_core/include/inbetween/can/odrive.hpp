@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "inbetween/base/result.hpp"
+#include "inbetween/can/device_number.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/servo_report.hpp"
 
@@ -24,25 +24,13 @@ enum class OdriveFamily : std::uint8_t {
   firmware_06,  ///< Pro, S1, Micro
 };
 
-/// The number of an ODrive on its bus, 0 to 62; 63 is that of drives that have none yet.
-class OdriveNode {
- public:
-  /// Errors: out_of_range.
-  static constexpr Result<OdriveNode> make(std::int64_t number) {
-    if (number < 0 || number > 62) {
-      return Error{.code = ErrorCode::out_of_range,
-                   .what = "a node of CANSimple is not a number from 0 to 62",
-                   .remedy = "give the number that is set in the drive"};
-    }
-    return OdriveNode(static_cast<std::uint8_t>(number));
-  }
-  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
-  friend constexpr bool operator==(OdriveNode, OdriveNode) = default;
-
- private:
-  constexpr explicit OdriveNode(std::uint8_t value) : value_(value) {}
-  std::uint8_t value_;
+struct OdriveNodeRange {
+  static constexpr std::int64_t min = 0, max = 62;
+  static constexpr const char* what = "a node of CANSimple is not a number from 0 to 62";
+  static constexpr const char* remedy = "give the number that is set in the drive";
 };
+/// The number of an ODrive on its bus, 0 to 62; 63 is that of drives that have none yet.
+using OdriveNode = DeviceNumber<OdriveNodeRange>;
 
 /// The messages that are used here. They mean the same in both families but for the two that say so.
 enum class OdriveMessage : std::uint8_t {

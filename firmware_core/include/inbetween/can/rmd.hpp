@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "inbetween/base/result.hpp"
+#include "inbetween/can/device_number.hpp"
 #include "inbetween/can/drive_finding.hpp"
 #include "inbetween/can/frame.hpp"
 #include "inbetween/can/servo_report.hpp"
@@ -16,25 +17,13 @@
 
 namespace inbetween::can {
 
-/// The number of a motor on its bus, 1 to 32.
-class RmdMotor {
- public:
-  /// Errors: out_of_range.
-  static constexpr Result<RmdMotor> make(std::int64_t number) {
-    if (number < 1 || number > 32) {
-      return Error{.code = ErrorCode::out_of_range,
-                   .what = "a motor of the RMD protocol is not a number from 1 to 32",
-                   .remedy = "give the number that is set in the motor"};
-    }
-    return RmdMotor(static_cast<std::uint8_t>(number));
-  }
-  [[nodiscard]] constexpr std::uint8_t value() const { return value_; }
-  friend constexpr bool operator==(RmdMotor, RmdMotor) = default;
-
- private:
-  constexpr explicit RmdMotor(std::uint8_t value) : value_(value) {}
-  std::uint8_t value_;
+struct RmdMotorRange {
+  static constexpr std::int64_t min = 1, max = 32;
+  static constexpr const char* what = "a motor of the RMD protocol is not a number from 1 to 32";
+  static constexpr const char* remedy = "give the number that is set in the motor";
 };
+/// The number of a motor on its bus, 1 to 32.
+using RmdMotor = DeviceNumber<RmdMotorRange>;
 
 /// The commands that are used here: byte 0 of a command and of its answer.
 enum class RmdCommand : std::uint8_t {
