@@ -20,7 +20,6 @@ TEST(OdriveFrames, WhatTheHostSendsIsByteForByteAsItShallBe) {
   EXPECT_EQ(odrive_position_mode_frame(node), golden.at("set_controller_mode_pos_passthrough"));
   EXPECT_EQ(odrive_position_frame(node, {.turns = 1.5F, .turns_per_s = 0.25, .torque_nm = -0.1}),
             golden.at("set_input_pos_1p5"));
-  EXPECT_EQ(odrive_limits_frame(node, 10, 20), golden.at("set_limits"));
   EXPECT_EQ(odrive_emergency_stop_frame(node), golden.at("estop"));
   EXPECT_EQ(odrive_clear_frame(node, v06), golden.at("clear_errors_06"));
   EXPECT_EQ(odrive_question(node, OdriveMessage::estimates), golden.at("encoder_estimates_request_rtr"));

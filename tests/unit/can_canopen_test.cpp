@@ -314,23 +314,13 @@ TEST(BusLoad, IsThatOfTheTable) {
     }
     EXPECT_EQ(max_drives(use), row.max) << row.bitrate << " at " << row.rate_hz;
     use.drives = row.max;
-    EXPECT_TRUE(check_bus_load(use));
+    EXPECT_LE(bus_load_per_mille(use), 700);
     use.drives = row.max + 1;
-    const Status refused = check_bus_load(use);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::capacity);
-    const std::int64_t needed = refused.error().needed;
-    EXPECT_LE(100 * cyclic_bits_per_second(use), 70 * needed);
-    EXPECT_GT(100 * cyclic_bits_per_second(use), 70 * (needed - 1));
+    EXPECT_GT(bus_load_per_mille(use), 700);
   }
 }
 
-TEST(BusLoad, RefusesWhatIsNoCanBus) {
-  EXPECT_FALSE(check_bus_load({.bitrate = 0}));
-  EXPECT_FALSE(check_bus_load({.bitrate = 2'000'000}));
-  EXPECT_FALSE(check_bus_load({.rate_hz = 0}));
-  EXPECT_FALSE(check_bus_load({.drives = 0}));
-  EXPECT_FALSE(check_bus_load({.drives = 128}));
+TEST(BusLoad, ACounterInSyncIsMoreOfIt) {
   EXPECT_GT(cyclic_bits_per_second({.counts_sync = true}), cyclic_bits_per_second({}));
 }
 

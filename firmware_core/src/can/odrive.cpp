@@ -145,13 +145,6 @@ Frame odrive_position_mode_frame(OdriveNode node) {
   return frame;
 }
 
-Frame odrive_limits_frame(OdriveNode node, float turns_per_s, float amperes) {
-  Frame frame = frame_of(node, limits, 8);
-  store_float(frame, 0, turns_per_s);
-  store_float(frame, 4, amperes);
-  return frame;
-}
-
 Frame odrive_clear_frame(OdriveNode node, OdriveFamily family) {
   // 0.6 reads a byte: whether the drive shall show which one it is.
   return frame_of(node, clear_errors, family == OdriveFamily::firmware_06 ? 1 : 0);

@@ -25,9 +25,6 @@ bool is_whole(const Frame& frame, FrameId id) {
 bool is_answer(const Frame& frame, RmdMotor motor, RmdCommand command) {
   return is_whole(frame, rmd_answer_id(motor)) && frame.data[0] == static_cast<std::uint8_t>(command);
 }
-std::int16_t signed_at(const Frame& frame, std::size_t offset) {
-  return static_cast<std::int16_t>(load<std::uint16_t>(frame.data, offset));
-}
 std::uint16_t raw_of(double value, double per_raw) {
   return static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(value / per_raw)));
 }
@@ -113,14 +110,6 @@ Frame rmd_motion_frame(RmdMotor motor, const RmdMotion& told) {
   store(frame.data, 4, static_cast<std::uint16_t>(told.deg_per_s));
   store(frame.data, 6, static_cast<std::uint16_t>(told.degrees));
   return frame;
-}
-
-std::optional<RmdMotion> read_rmd_motion(const Frame& frame, RmdMotor motor) {
-  if (!is_answer(frame, motor, position)) return {};
-  return RmdMotion{.celsius = static_cast<std::int8_t>(frame.data[1]),
-                   .amperes = signed_at(frame, 2) * amperes_per_raw,
-                   .deg_per_s = signed_at(frame, 4),
-                   .degrees = signed_at(frame, 6)};
 }
 
 const char* words_of_rmd_error(std::uint32_t bit) {

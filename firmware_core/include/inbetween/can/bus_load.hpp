@@ -2,8 +2,6 @@
 
 #include <cstdint>
 
-#include "inbetween/base/result.hpp"
-
 /// How much of a CAN bus the setpoints of a rig take, at worst.
 
 namespace inbetween::can {
@@ -71,10 +69,5 @@ constexpr std::int64_t max_drives(const BusUse& use) {
   }
   return drives;
 }
-
-/// Errors: out_of_range (bitrate not in 1..1'000'000, rate not in 1..10'000, drives not in 1..127);
-/// capacity (more than the limit; `needed` is the bitrate that would suffice, bus_load_per_mille what is
-/// asked for).
-Status check_bus_load(const BusUse& use);
 
 }  // namespace inbetween::can

@@ -47,7 +47,6 @@ enum class OdriveMessage : std::uint8_t {
   input_position = 0x0C,
   input_velocity = 0x0D,
   input_torque = 0x0E,
-  limits = 0x0F,
   clear_errors = 0x18,
   controller_error = 0x1D,  ///< as asked for here 0.5 only
 };
@@ -79,7 +78,6 @@ std::optional<OdrivePosition> read_odrive_position(const Frame& frame, OdriveNod
 Frame odrive_state_frame(OdriveNode node, std::uint8_t state);
 /// Position control by what input_position says (3 and 1).
 Frame odrive_position_mode_frame(OdriveNode node);
-Frame odrive_limits_frame(OdriveNode node, float turns_per_s, float amperes);
 Frame odrive_clear_frame(OdriveNode node, OdriveFamily family);
 /// Errors, no power, and the motor coasts.
 Frame odrive_emergency_stop_frame(OdriveNode node);

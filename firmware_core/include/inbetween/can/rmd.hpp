@@ -91,10 +91,8 @@ struct RmdMotion {
   double amperes = 0;  ///< in steps of 0.01
   std::int16_t deg_per_s = 0;
   std::int16_t degrees = 0;
-  friend bool operator==(const RmdMotion&, const RmdMotion&) = default;
 };
 Frame rmd_motion_frame(RmdMotor motor, const RmdMotion& told);
-std::optional<RmdMotion> read_rmd_motion(const Frame& frame, RmdMotor motor);
 
 /// One bit of the errors in words: "its supply voltage is too low".
 const char* words_of_rmd_error(std::uint32_t bit);
