@@ -11,7 +11,6 @@ namespace inbetween {
 namespace {
 
 using can::NmtState;
-using Kind = DriveTrouble::Kind;
 
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::uint8_t error_of_communication = 0x11;
@@ -34,10 +33,6 @@ unsigned bits_of(const std::vector<can::PdoEntry>& objects) {
 }
 
 }  // namespace
-
-void SimulatedCia402Drive::send(const can::Frame& frame) {
-  if (!takes_frame(Kind::lose_sent)) put_frame(frame);
-}
 
 void SimulatedCia402Drive::boot() {
   is_booting_ = false;
@@ -101,7 +96,7 @@ void SimulatedCia402Drive::raise_error(std::uint16_t code, std::uint8_t error_re
   objects_.set(0x1001, 0, error_register);
   objects_.set(0x603F, 0, code);
   if (is_booting_ || nmt_ == NmtState::stopped) return;
-  if (settings_.keeps_record) record_.reported.push_back({.at_ns = now_ns_, .code = code});
+  record_reported(code);
   send(can::emergency_frame(node(), {.code = code, .error_register = error_register}));
 }
 
@@ -364,11 +359,8 @@ void SimulatedCia402Drive::hear_sync(const can::Frame& frame) {
   if (is_interpolated ? is_interpolating_ : is_in_operation() && !is_to_home()) {
     const auto target = static_cast<std::int32_t>(
         objects_.value(is_interpolated ? settings_now().set_point : settings_now().target));
-    if (!first_target_) first_target_ = target;
-    has_been_moved_ = has_been_moved_ || target != *first_target_;
-    if (settings_.keeps_record) {
-      record_.applied.push_back({.at_ns = now_ns_, .target = static_cast<double>(target)});
-    }
+    note_target(target);
+    record_applied(target);
   }
   send_pdos();
 }

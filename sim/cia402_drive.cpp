@@ -11,10 +11,7 @@ namespace inbetween {
 namespace {
 
 using can::Cia402State;
-using Kind = DriveTrouble::Kind;
 
-/// The motor is integrated in steps that are short against the 30 Hz of the position controller.
-constexpr std::int64_t step_ns = 250'000;
 constexpr std::uint8_t error_of_profile = 0x21;
 constexpr std::uint16_t following_error = 0x8611;
 
@@ -35,12 +32,10 @@ constexpr double as_seconds(std::int64_t ns) {
 }  // namespace
 
 SimulatedCia402Drive::SimulatedCia402Drive(const SimulatedCia402Settings& settings, std::int64_t now_ns)
-    : settings_(settings),
+    : SimulatedServo(settings, settings.position, now_ns, settings.boot_delay_ns),
+      settings_(settings),
       objects_(settings.objects.value_or(factory_objects(settings.node))),
-      defaults_(objects_),
-      motor_(settings.motor, settings.position),
-      now_ns_(now_ns),
-      boot_ns_(now_ns + settings.boot_delay_ns) {
+      defaults_(objects_) {
   for (const DriveTrouble& trouble : settings.troubles) troubles_.add(trouble);
   if (settings.counts_from_power_on) zero_ = motor_.position();
   show();
@@ -62,15 +57,15 @@ void SimulatedCia402Drive::change_access(can::ObjectAddress address, ObjectDicti
 void SimulatedCia402Drive::advance(std::int64_t now_ns) {
   while (now_ns_ < now_ns) {
     run_motor_quietly(now_ns);
-    if (now_ns_ >= now_ns) break;
-    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
-    now_ns_ += ns;
-    meet_troubles();
-    if (is_booting_ && now_ns_ >= boot_ns_) boot();
-    watch_communication();
-    babble();
-    step(as_seconds(ns));
+    if (now_ns_ < now_ns) advance_a_step(now_ns);
   }
+}
+
+void SimulatedCia402Drive::live(double seconds) {
+  if (is_booting_ && now_ns_ >= boot_ns_) boot();
+  watch_communication();
+  babble();
+  step(seconds);
 }
 
 /// As far as nothing but the motor moves, without asking in every step whether something is due.
@@ -126,8 +121,7 @@ void SimulatedCia402Drive::step(double seconds) {
       slow_down(seconds);
       break;
     default:
-      motor_.coast(seconds);
-      if (has_trouble(Kind::sink)) motor_.put(motor_.position() + trouble_value(Kind::sink) * seconds);
+      coast(seconds);
   }
   if (is_enabling_ && now_ns_ >= enabled_ns_) enter(Cia402State::operation_enabled);
 }
@@ -273,9 +267,9 @@ void SimulatedCia402Drive::enter(Cia402State state) {
     demand_ = motor_.position();
     demand_velocity_ = motor_.velocity();
   }
-  if (settings_.keeps_record && state != state_)
-    record_.entered.push_back({now_ns_, can::name_of(state), motor_.velocity()});
+  const bool is_new = state != state_;
   state_ = state;
+  if (is_new) record_entered();
 }
 
 /// The transitions of the profile, by the bits of the controlword.
@@ -355,8 +349,8 @@ void SimulatedCia402Drive::show() {
   const Settings& at = settings_now();
   objects_.set(at.statusword, statusword());
   objects_.set(at.mode_display,
-               is_wrong ? static_cast<std::uint32_t>(trouble_value(Kind::wrong_mode)) : at.mode);
-  objects_.set(at.position, as_counts(motor_.position() - zero_));
+               is_wrong ? static_cast<std::uint32_t>(troubles_.value(Kind::wrong_mode, now_ns_)) : at.mode);
+  objects_.set(at.position, as_counts(here()));
   objects_.set(at.velocity, as_counts(motor_.velocity()));
   objects_.set(at.following_error, as_counts(is_in_operation() ? demand_ - motor_.position() : 0));
 }

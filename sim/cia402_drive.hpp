@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "inbetween/can/canopen_id.hpp"
@@ -17,10 +16,9 @@
 #include "inbetween/can/nmt.hpp"
 #include "inbetween/can/pdo.hpp"
 #include "inbetween/can/sdo.hpp"
-#include "sim/drive_trouble.hpp"
 #include "sim/object_dictionary.hpp"
-#include "sim/simulated_can_drive.hpp"
 #include "sim/simulated_motor.hpp"
+#include "sim/simulated_servo.hpp"
 
 namespace inbetween {
 
@@ -43,7 +41,7 @@ struct SimulatedCia402Settings {
 /// the standards and not from the host's side, of which it uses the frames only.
 ///
 /// Time is the caller's, in nanoseconds, and never goes back: a virtual clock, or that of the machine.
-class SimulatedCia402Drive : public SimulatedCanDrive {
+class SimulatedCia402Drive : public SimulatedServo<can::Frame> {
  public:
   /// Powered on at `now_ns`.
   SimulatedCia402Drive(const SimulatedCia402Settings& settings, std::int64_t now_ns);
@@ -53,23 +51,18 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
 
   /// Since power-on, or since it was taken. A target is one that SYNC applied while it was in operation.
   [[nodiscard]] const DriveRecord& record() const { return record_; }
-  DriveRecord take_record() override { return std::exchange(record_, {}); }
   [[nodiscard]] bool misses_something() const override { return missing_ != 0; }
-  [[nodiscard]] bool has_been_moved() const override { return has_been_moved_; }
 
   [[nodiscard]] can::NodeId node() const { return settings_.node; }
   [[nodiscard]] can::Cia402State state() const { return state_; }
   [[nodiscard]] can::NmtState nmt() const { return nmt_; }
   [[nodiscard]] const char* state_name() const override { return can::name_of(state_); }
-  [[nodiscard]] double position() const override { return motor_.position(); }
-  [[nodiscard]] double velocity() const override { return motor_.velocity(); }
   /// What it tells of its state there is that of the last SYNC, or of the last request.
   [[nodiscard]] const ObjectDictionary& objects() const { return objects_; }
   /// To make another device of it: these last through a reset.
   void add_object(can::ObjectAddress address, const ObjectDictionary::Object& object);
   void remove_object(can::ObjectAddress address);
   void change_access(can::ObjectAddress address, ObjectDictionary::Access access);
-  void add_trouble(const DriveTrouble& trouble) override { troubles_.add(trouble); }
 
  private:
   static constexpr std::uint32_t interpolated_position = 7;
@@ -127,8 +120,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
     }
   };
   void boot();
-  void start_anew();
-  void send(const can::Frame& frame);
+  void start_anew() override;
   void raise_error(std::uint16_t code, std::uint8_t error_register);
 
   // communication
@@ -178,6 +170,7 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   void send_pdos();
 
   // the drive
+  void live(double seconds) override;
   void step(double seconds);
   void run_motor_quietly(std::int64_t until_ns);
   [[nodiscard]] std::int64_t next_event_ns() const;
@@ -202,19 +195,9 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   [[nodiscard]] std::optional<double> target() const;
   void follow(const MotionObjects& objects, double seconds);
   std::int64_t follow_target(const MotionObjects& objects, double seconds, std::int64_t steps);
-  void meet_troubles();
-  void meet(const DriveTrouble& trouble);
-  [[nodiscard]] bool has_trouble(DriveTrouble::Kind kind) const {
-    return troubles_.has_any() && troubles_.has(kind, now_ns_);
-  }
-  bool takes_frame(DriveTrouble::Kind kind) {
-    return troubles_.has_any() && troubles_.takes_frame(kind, now_ns_);
-  }
+  void meet(const DriveTrouble& trouble) override;
   [[nodiscard]] bool is_meant_for_it(const can::Frame& frame) const;
   void babble();
-  [[nodiscard]] std::int32_t trouble_value(DriveTrouble::Kind kind) const {
-    return troubles_.value(kind, now_ns_);
-  }
   void show();
   [[nodiscard]] std::uint16_t statusword() const;
   [[nodiscard]] bool is_in_operation() const { return state_ == can::Cia402State::operation_enabled; }
@@ -223,15 +206,8 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   SimulatedCia402Settings settings_;
   ObjectDictionary objects_;
   ObjectDictionary defaults_;
-  SimulatedMotor motor_;
-  std::int64_t now_ns_;
-  DriveRecord record_;
-  std::optional<std::int32_t> first_target_;
-  bool has_been_moved_ = false;
-
   bool is_booting_ = true;
   can::NmtState nmt_ = can::NmtState::boot_up;
-  std::int64_t boot_ns_;
   std::int64_t heartbeat_ns_ = 0;
   std::optional<std::int64_t> host_deadline_ns_;         ///< from the host's first heartbeat on
   std::optional<std::int64_t> guard_deadline_ns_;        ///< from the first request on
@@ -265,8 +241,6 @@ class SimulatedCia402Drive : public SimulatedCanDrive {
   double beyond_window_s_ = 0;
   bool is_following_error_ = false;
   bool is_limited_ = false;
-  double zero_ = 0;  ///< the position of the motor that is reported as 0
-  DriveTroubles troubles_;
 };
 
 }  // namespace inbetween

@@ -7,8 +7,6 @@
 
 namespace inbetween {
 
-using Kind = DriveTrouble::Kind;
-
 void SimulatedCia402Drive::begin_homing() {
   is_home_ = false;
   has_homing_error_ = false;

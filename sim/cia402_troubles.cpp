@@ -6,16 +6,10 @@
 namespace inbetween {
 namespace {
 
-using Kind = DriveTrouble::Kind;
-
 constexpr std::uint32_t watches_nothing = 0xFFFFFFFF;
 constexpr std::uint32_t function_bits = 0x780;  // of an identifier; the others are the node
 
 }  // namespace
-
-void SimulatedCia402Drive::meet_troubles() {
-  while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) meet(*trouble);
-}
 
 void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
   switch (trouble.kind) {
@@ -23,14 +17,10 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
       return fail(static_cast<std::uint16_t>(trouble.value));
     case Kind::move_by_hand:
       return motor_.put(motor_.position() + trouble.value);
-    case Kind::put_by_hand:
-      return motor_.put(trouble.place);
-    case Kind::reboot:
-      return start_anew();
     case Kind::foreign_sender: {
-      const auto here = static_cast<std::int32_t>(std::lround(motor_.position() - zero_));
+      const auto target = static_cast<std::int32_t>(std::lround(here()));
       const can::Frame frame =
-          can::command_frame(node(), {.controlword = can::control_enable_operation, .target = here});
+          can::command_frame(node(), {.controlword = can::control_enable_operation, .target = target});
       send(frame);
       return receive(frame);
     }
@@ -51,6 +41,9 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
       return change_access(trouble.object, ObjectDictionary::Access::silent);
     case Kind::switched_off:
       return enter(can::Cia402State::switch_on_disabled);
+    case Kind::put_by_hand:
+    case Kind::reboot:
+      return;  // the same for all drives
     case Kind::lose_feedback:
     case Kind::lose_heartbeat:
     case Kind::stick:

@@ -13,7 +13,7 @@ constexpr std::int16_t holding_centiamperes = 50;  // what keeps the load where 
 }  // namespace
 
 SimulatedCubemars::SimulatedCubemars(const SimulatedCubemarsSettings& settings, std::int64_t now_ns)
-    : SimulatedServo(settings, now_ns, boot_delay_ns),
+    : SimulatedServo(settings, settings.turns, now_ns, boot_delay_ns),
       settings_(settings),
       // Two motors have their own rhythms.
       feedback_ns_(boot_ns_ + settings.motor_number.value() * std::int64_t{70'000}) {}
@@ -69,7 +69,7 @@ void SimulatedCubemars::report() {
   // Where and how it is come in one message.
   if (has_trouble(Kind::lose_feedback) || has_trouble(Kind::lose_heartbeat)) return;
   can::Frame frame = feedback();
-  if (troubles_.takes_frame(Kind::shorten, now_ns_)) --frame.length;
+  if (takes_frame(Kind::shorten)) --frame.length;
   send(frame);
 }
 
@@ -107,7 +107,7 @@ void SimulatedCubemars::receive(const can::Frame& frame) {
   const auto current = can::read_cubemars_current(frame, settings_.motor_number);
   const auto speed = can::read_cubemars_speed(frame, settings_.motor_number);
   const bool is_meant = position || current || speed;
-  if (!is_meant || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  if (!is_meant || takes_frame(Kind::lose_heard)) return;
   if (position) return take_position(*position);
   if (speed) return take_speed(*speed);
   if (*current == 0 && !has_trouble(Kind::stay_on)) set_power(false);

@@ -26,7 +26,7 @@ bool is_reserved_for_int32(MoteusRegister reg) {
 }  // namespace
 
 SimulatedMoteus::SimulatedMoteus(const SimulatedMoteusSettings& settings, std::int64_t now_ns)
-    : SimulatedServo(settings, now_ns, boot_delay_ns), settings_(settings) {}
+    : SimulatedServo(settings, settings.turns, now_ns, boot_delay_ns), settings_(settings) {}
 
 const char* SimulatedMoteus::state_name() const {
   switch (mode_) {
@@ -138,8 +138,8 @@ void SimulatedMoteus::meet(const DriveTrouble& trouble) {
 
 void SimulatedMoteus::send(FdFrame frame) {
   if (has_trouble(Kind::lose_feedback) || has_trouble(Kind::lose_heartbeat)) return;
-  if (troubles_.takes_frame(Kind::lose_sent, now_ns_)) return;
-  if (troubles_.takes_frame(Kind::shorten, now_ns_)) {
+  if (takes_frame(Kind::lose_sent)) return;
+  if (takes_frame(Kind::shorten)) {
     do --frame.length;
     while (!can::is_fd_length(frame.length));
   }
@@ -150,7 +150,7 @@ void SimulatedMoteus::receive(const FdFrame& frame) {
   const std::uint32_t receiver = frame.id.number() & 0x7F;
   const bool is_meant =
       frame.id.number() <= 0xFFFF && (receiver == settings_.node.value() || receiver == everybody);
-  if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  if (!is_meant || now_ns_ < boot_ns_ || takes_frame(Kind::lose_heard)) return;
   Command command;
   can::MoteusReader reader(frame);
   while (const std::optional<MoteusItem> item = reader.next()) {

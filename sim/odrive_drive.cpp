@@ -24,7 +24,7 @@ constexpr std::uint32_t stopped_error(OdriveFamily family) {
 }  // namespace
 
 SimulatedOdrive::SimulatedOdrive(const SimulatedOdriveSettings& settings, std::int64_t now_ns)
-    : SimulatedServo(settings, now_ns, boot_delay_ns),
+    : SimulatedServo(settings, settings.turns, now_ns, boot_delay_ns),
       settings_(settings),
       heartbeat_ns_(boot_ns_),
       // Two drives have their own rhythms.
@@ -66,7 +66,7 @@ void SimulatedOdrive::report() {
     estimates_ns_ += settings_.estimates_period_ns;
     if (!has_trouble(Kind::lose_feedback)) {
       can::Frame frame = estimates();
-      if (troubles_.takes_frame(Kind::shorten, now_ns_)) --frame.length;
+      if (takes_frame(Kind::shorten)) --frame.length;
       send(frame);
     }
   }
@@ -136,7 +136,7 @@ void SimulatedOdrive::meet(const DriveTrouble& trouble) {
 
 void SimulatedOdrive::receive(const can::Frame& frame) {
   const bool is_meant = !frame.id.is_extended() && frame.id.number() >> 5 == settings_.node.value();
-  if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  if (!is_meant || now_ns_ < boot_ns_ || takes_frame(Kind::lose_heard)) return;
   fed_ns_ = now_ns_;
   if (frame.is_remote) return answer(frame);
   switch (static_cast<OdriveMessage>(frame.id.number() & can::odrive_message_bits)) {

@@ -19,7 +19,7 @@ constexpr std::uint8_t motion_status = 0x9C;  // answered as a position is
 }  // namespace
 
 SimulatedRmd::SimulatedRmd(const SimulatedRmdSettings& settings, std::int64_t now_ns)
-    : SimulatedServo(settings, now_ns, boot_delay_ns), settings_(settings) {}
+    : SimulatedServo(settings, settings.turns, now_ns, boot_delay_ns), settings_(settings) {}
 
 const char* SimulatedRmd::state_name() const {
   if (errors_ != 0) return "fault";
@@ -90,7 +90,7 @@ void SimulatedRmd::meet(const DriveTrouble& trouble) {
 void SimulatedRmd::receive(const can::Frame& frame) {
   const bool is_meant =
       !frame.is_remote && frame.length == 8 && frame.id == can::rmd_command_id(settings_.motor_number);
-  if (!is_meant || now_ns_ < boot_ns_ || troubles_.takes_frame(Kind::lose_heard, now_ns_)) return;
+  if (!is_meant || now_ns_ < boot_ns_ || takes_frame(Kind::lose_heard)) return;
   fed_ns_ = now_ns_;
   obey(frame);
 }
@@ -115,7 +115,7 @@ void SimulatedRmd::obey(const can::Frame& frame) {
       if (has_trouble(Kind::lose_feedback)) return;
       const double steps = std::round(here() * can::rmd_steps_per_turn);
       can::Frame angle = can::rmd_angle_frame(settings_.motor_number, static_cast<std::int32_t>(steps));
-      if (troubles_.takes_frame(Kind::shorten, now_ns_)) --angle.length;
+      if (takes_frame(Kind::shorten)) --angle.length;
       return send(angle);
     }
     case RmdCommand::read_status:

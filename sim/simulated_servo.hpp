@@ -12,20 +12,13 @@
 
 namespace inbetween {
 
-/// What the servo drives with an incremental encoder have in common: the time, the motor in turns, troubles,
-/// and the record.
+/// What drives with a position controller and an incremental encoder have in common: the time, the motor in
+/// units of the drive, troubles, and the record.
 template <class Frame>
 class SimulatedServo : public SimulatedDriveOn<Frame> {
  public:
-  void advance(std::int64_t now_ns) final {
-    // The motor is integrated in steps that are short against the 30 Hz of the position controller.
-    constexpr std::int64_t step_ns = 250'000;
-    while (now_ns_ < now_ns) {
-      const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
-      now_ns_ += ns;
-      while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) begin(*trouble);
-      live(static_cast<double>(ns) * 1e-9);
-    }
+  void advance(std::int64_t now_ns) override {
+    while (now_ns_ < now_ns) advance_a_step(now_ns);
   }
   void add_trouble(const DriveTrouble& trouble) final { troubles_.add(trouble); }
   [[nodiscard]] bool has_been_moved() const final { return has_been_moved_; }
@@ -35,11 +28,13 @@ class SimulatedServo : public SimulatedDriveOn<Frame> {
 
  protected:
   using Kind = DriveTrouble::Kind;
+  /// The motor is integrated in steps that are short against the 30 Hz of the position controller.
+  static constexpr std::int64_t step_ns = 250'000;
 
-  /// Powered on at `now_ns`, where its settings say.
+  /// Powered on at `now_ns`, where the motor stands at `position`.
   template <class Settings>
-  SimulatedServo(const Settings& settings, std::int64_t now_ns, std::int64_t boot_delay_ns)
-      : motor_(settings.motor, settings.turns),
+  SimulatedServo(const Settings& settings, double position, std::int64_t now_ns, std::int64_t boot_delay_ns)
+      : motor_(settings.motor, position),
         now_ns_(now_ns),
         boot_delay_ns_(boot_delay_ns),
         boot_ns_(now_ns + boot_delay_ns),
@@ -52,8 +47,15 @@ class SimulatedServo : public SimulatedDriveOn<Frame> {
   /// A trouble of another kind than those that are the same for all drives begins.
   virtual void meet(const DriveTrouble& trouble) = 0;
 
+  /// At most until `now_ns`.
+  void advance_a_step(std::int64_t now_ns) {
+    const std::int64_t ns = std::min(step_ns, now_ns - now_ns_);
+    now_ns_ += ns;
+    while (const std::optional<DriveTrouble> trouble = troubles_.begin_next(now_ns_)) begin(*trouble);
+    live(static_cast<double>(ns) * 1e-9);
+  }
   void send(const Frame& frame) {
-    if (!troubles_.takes_frame(Kind::lose_sent, now_ns_)) this->put_frame(frame);
+    if (!takes_frame(Kind::lose_sent)) this->put_frame(frame);
   }
   /// Moves for `seconds` without power.
   void coast(double seconds) {
@@ -61,7 +63,10 @@ class SimulatedServo : public SimulatedDriveOn<Frame> {
     if (!has_trouble(Kind::sink)) return;
     motor_.put(motor_.position() + troubles_.value(Kind::sink, now_ns_) * seconds);
   }
-  [[nodiscard]] bool has_trouble(Kind kind) const { return troubles_.has(kind, now_ns_); }
+  [[nodiscard]] bool has_trouble(Kind kind) const {
+    return troubles_.has_any() && troubles_.has(kind, now_ns_);
+  }
+  bool takes_frame(Kind kind) { return troubles_.has_any() && troubles_.takes_frame(kind, now_ns_); }
   /// By its encoder.
   [[nodiscard]] double here() const { return motor_.position() - zero_; }
 
@@ -87,6 +92,8 @@ class SimulatedServo : public SimulatedDriveOn<Frame> {
   std::int64_t boot_ns_;
   double zero_ = 0;  ///< where its encoder counts from
   DriveTroubles troubles_;
+  DriveRecord record_;
+  bool has_been_moved_ = false;
 
  private:
   void begin(const DriveTrouble& trouble) {
@@ -99,8 +106,6 @@ class SimulatedServo : public SimulatedDriveOn<Frame> {
 
   bool keeps_record_;
   std::optional<double> first_target_;
-  bool has_been_moved_ = false;
-  DriveRecord record_;
 };
 
 }  // namespace inbetween
