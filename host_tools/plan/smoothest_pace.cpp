@@ -73,7 +73,7 @@ class PaceProgram {
       before_[i + 1] = before_[i] + (is_zero_[i] != 0 ? 0U : 1U);
     program_ = BandProgram(free_.size());
     demand_keys();
-    for (std::size_t p = 0; p < free_.size(); ++p) program_.demand_at_least(value_of(p, weight(p)), 0);
+    for (std::size_t p = 0; p < free_.size(); ++p) program_.demand_at_least(share_of(p), 0);
     add_costs();
   }
 
@@ -138,9 +138,10 @@ class PaceProgram {
     sum.push_back({p, factor / weight(p)});
     if (p > 0) sum.push_back({p - 1, -factor / weight(p)});
   }
-  [[nodiscard]] Sum value_of(std::size_t p, double factor) const {
-    Sum sum;
-    add_value(p, factor, sum);
+  /// W_p v_p: what it adds to the running sum before it.
+  static Sum share_of(std::size_t p) {
+    Sum sum{{p, 1}};
+    if (p > 0) sum.push_back({p - 1, -1});
     return sum;
   }
 
