@@ -157,23 +157,21 @@ void AxisHoming::act(HomingAction action) {
     case HomingAction::leave:
       go_to(start_ - towards(spec_.leave), spec_.fast);
       break;
-    case HomingAction::clear:
-      mark_ = edge_;
-      go_to(mark_ - towards(spec_.back_off), spec_.fast);
-      break;
     case HomingAction::search:
       go_to(start_ + towards(spec_.search), spec_.fast);
       break;
     case HomingAction::stop:
       axis_->stop();
       break;
+    case HomingAction::mark_stop:
+      axis_->stop();
+      [[fallthrough]];
     case HomingAction::mark:
       mark();
       break;
-    case HomingAction::mark_stop:
-      axis_->stop();
-      mark();
-      break;
+    case HomingAction::clear:
+      mark_ = edge_;
+      [[fallthrough]];
     case HomingAction::back_off:
       go_to(mark_ - towards(spec_.back_off), spec_.fast);
       break;

@@ -265,16 +265,10 @@ bool StopBounds::permits(const FrameTime& time, double rate, double change) cons
 
 StopBound StopBounds::min_between(const FrameTime& from, const FrameTime& to) const {
   StopBound lowest = at(from);
-  const auto lower = [&lowest](const StopBound& other) {
-    lowest.rate_change = std::min(lowest.rate_change, other.rate_change);
-    lowest.rate_jerk = std::min(lowest.rate_jerk, other.rate_jerk);
-    lowest.release_jerk = std::min(lowest.release_jerk, other.release_jerk);
-  };
   for (std::size_t i = place(from).cell + 1; i <= place(to).cell; ++i) {
-    lower({cells_[i].rate_change, cells_[i].rate_jerk, cells_[i].release_jerk});
+    lowest = lowest.lower({cells_[i].rate_change, cells_[i].rate_jerk, cells_[i].release_jerk});
   }
-  lower(at(to));
-  return lowest;
+  return lowest.lower(at(to));
 }
 
 StopLength StopBounds::stop_from_cell(std::size_t cell, bool forward) const {

@@ -339,9 +339,7 @@ double Playhead::seconds_between(const FrameTime& from, const FrameTime& to) con
 StopBound Playhead::travel_bound(const FrameTime& from, const FrameTime& to) const {
   const StopBound stops = bounds_->min_between(from, to);
   if (rungs_.empty()) return stops;
-  const StopBound own = rungs_.front().min_between(from, to);
-  return {std::min(stops.rate_change, own.rate_change), std::min(stops.rate_jerk, own.rate_jerk),
-          std::min(stops.release_jerk, own.release_jerk)};
+  return stops.lower(rungs_.front().min_between(from, to));
 }
 
 double Playhead::top_travel_rate() const {

@@ -43,6 +43,12 @@ struct StopBound {
   double rate_change = 0;   ///< R1, 1/s
   double rate_jerk = 0;     ///< R2, 1/s^2
   double release_jerk = 0;  ///< Q <= R2, 1/s^2: what a release may be planned with
+
+  /// Of each bound the smaller one.
+  [[nodiscard]] StopBound lower(const StopBound& other) const {
+    return {std::min(rate_change, other.rate_change), std::min(rate_jerk, other.rate_jerk),
+            std::min(release_jerk, other.release_jerk)};
+  }
 };
 
 /// From the highest rate, and from the worst rate change there, to rest.
