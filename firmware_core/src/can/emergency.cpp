@@ -1,17 +1,12 @@
 #include "inbetween/can/emergency.hpp"
 
 #include <algorithm>
-#include <span>
 
 #include "inbetween/can/little_endian.hpp"
+#include "words.hpp"
 
 namespace inbetween::can {
 namespace {
-
-struct Words {
-  std::uint16_t code;
-  const char* words;
-};
 
 constexpr std::array codes{
     Words{0x0000, "no error"},
@@ -40,7 +35,6 @@ constexpr std::array codes{
     Words{0x8612, "a position beyond its limit"},
     Words{0x8700, "the synchronisation with SYNC"},
 };
-static_assert(std::ranges::is_sorted(codes, {}, &Words::code));
 
 /// By the first digits of the code, longest first.
 struct ClassOfCodes {
@@ -83,8 +77,7 @@ std::optional<Emergency> read_emergency(const Frame& frame, NodeId node) {
 }
 
 const char* words_of_emergency(std::uint16_t code) {
-  const auto known = std::ranges::lower_bound(std::span(codes), code, {}, &Words::code);
-  if (known != std::span(codes).end() && known->code == code) return known->words;
+  if (const char* const known = words_in(codes, code, nullptr); known != nullptr) return known;
   for (const ClassOfCodes& one : classes) {
     if ((code & one.mask) == one.code) return one.words;
   }

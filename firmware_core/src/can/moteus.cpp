@@ -3,6 +3,7 @@
 #include <array>
 
 #include "inbetween/can/moteus_register.hpp"
+#include "words.hpp"
 
 namespace inbetween::can {
 namespace {
@@ -28,10 +29,6 @@ void finish(MoteusWriter& writer) {
   if (!writer.finish()) __builtin_trap();
 }
 
-struct Words {
-  std::uint32_t error;
-  const char* words;
-};
 constexpr std::array words{
     Words{32, "it has not been calibrated"},
     Words{33, "its motor driver has failed"},
@@ -165,11 +162,9 @@ FdFrame moteus_identity_question(MoteusNode node) {
 }
 
 const char* words_of_moteus_error(std::uint32_t error) {
-  for (const Words& row : words) {
-    if (row.error == error) return row.words;
-  }
-  return error >= moteus_mode_error ? "it is in a mode that this program does not use"
-                                    : "an error that this program does not know";
+  return words_in(words, error,
+                  error >= moteus_mode_error ? "it is in a mode that this program does not use"
+                                             : "an error that this program does not know");
 }
 
 ServoReport Moteus::read(const FdFrame& frame) const {

@@ -3,9 +3,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <span>
 
 #include "inbetween/can/little_endian.hpp"
+#include "words.hpp"
 
 namespace inbetween::can {
 namespace {
@@ -37,10 +37,6 @@ double feed_forward_at(const Frame& frame, std::size_t offset) {
   return static_cast<std::int16_t>(load<std::uint16_t>(frame.data, offset)) / raw_per_unit;
 }
 
-struct Words {
-  std::uint32_t bit;
-  const char* words;
-};
 constexpr std::array words_05{Words{0x1, "it was asked for a state in which it cannot be"},
                               Words{0x40, "its motor has failed"},
                               Words{0x80, "its estimate without an encoder has failed"},
@@ -100,12 +96,7 @@ constexpr std::array words_of_controller{
     Words{0x1, "it was too fast"}, Words{0x2, "its input mode is not known"},
     Words{0x4, "the bandwidth is too high for the gain"}, Words{0x20, "its estimate is not valid"}};
 
-const char* words_in(std::span<const Words> table, std::uint32_t bit) {
-  for (const Words& row : table) {
-    if (row.bit == bit) return row.words;
-  }
-  return "an error that this program does not know";
-}
+constexpr const char* unknown = "an error that this program does not know";
 
 /// 0.5 does not say its version, which is waited for.
 constexpr std::size_t questions_of_version = 3;
@@ -251,13 +242,13 @@ Frame odrive_part_frame(OdriveNode node, OdrivePart part, std::uint32_t errors) 
 const char* words_of_odrive_part(OdrivePart part, std::uint32_t bit) {
   switch (part) {
     case OdrivePart::motor:
-      return words_in(words_of_motor, bit);
+      return words_in(words_of_motor, bit, unknown);
     case OdrivePart::encoder:
-      return words_in(words_of_encoder, bit);
+      return words_in(words_of_encoder, bit, unknown);
     case OdrivePart::controller:
       break;
   }
-  return words_in(words_of_controller, bit);
+  return words_in(words_of_controller, bit, unknown);
 }
 
 std::optional<std::uint64_t> read_odrive_serial(const Frame& frame, OdriveNode node) {
@@ -278,7 +269,8 @@ Frame odrive_address_frame(OdriveNode node, std::uint64_t serial) {
 }
 
 const char* words_of_odrive_error(OdriveFamily family, std::uint32_t bit) {
-  return family == OdriveFamily::firmware_05 ? words_in(words_05, bit) : words_in(words_06, bit);
+  return family == OdriveFamily::firmware_05 ? words_in(words_05, bit, unknown)
+                                             : words_in(words_06, bit, unknown);
 }
 
 ServoReport Odrive::read(const Frame& frame) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "inbetween/can/little_endian.hpp"
+#include "words.hpp"
 
 namespace inbetween::can {
 namespace {
@@ -29,10 +30,6 @@ std::uint16_t raw_of(double value, double per_raw) {
   return static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(value / per_raw)));
 }
 
-struct Words {
-  std::uint32_t bit;
-  const char* words;
-};
 constexpr std::array words{Words{0x2, "its motor has stalled"},
                            Words{0x4, "its supply voltage is too low"},
                            Words{0x8, "its supply voltage is too high"},
@@ -113,10 +110,7 @@ Frame rmd_motion_frame(RmdMotor motor, const RmdMotion& told) {
 }
 
 const char* words_of_rmd_error(std::uint32_t bit) {
-  for (const Words& row : words) {
-    if (row.bit == bit) return row.words;
-  }
-  return "an error that its maker does not explain";
+  return words_in(words, bit, "an error that its maker does not explain");
 }
 
 Result<Rmd> Rmd::make(const RmdSettings& settings) {

@@ -1,10 +1,10 @@
 #include "inbetween/can/sdo.hpp"
 
 #include <algorithm>
-#include <span>
 
 #include "inbetween/can/canopen_id.hpp"
 #include "inbetween/can/little_endian.hpp"
+#include "words.hpp"
 
 namespace inbetween::can {
 namespace {
@@ -118,11 +118,6 @@ SdoMessage read_without_value(SdoKind kind, const Frame& frame) {
   return message;
 }
 
-struct Words {
-  std::uint32_t code;
-  const char* words;
-};
-
 // CiA 301, table 22.
 constexpr std::array codes{
     Words{0x05030000, "the toggle bit did not alternate"},
@@ -157,7 +152,6 @@ constexpr std::array codes{
     Words{0x08000023, "the object dictionary could not be made or is missing"},
     Words{0x08000024, "there are no data"},
 };
-static_assert(std::ranges::is_sorted(codes, {}, &Words::code));
 
 }  // namespace
 
@@ -209,9 +203,7 @@ std::optional<SdoMessage> read_sdo_answer(const Frame& frame) {
 }
 
 const char* words_of_abort(std::uint32_t code) {
-  const auto known = std::ranges::lower_bound(std::span(codes), code, {}, &Words::code);
-  if (known != std::span(codes).end() && known->code == code) return known->words;
-  return "a reason that CiA 301 does not name";
+  return words_in(codes, code, "a reason that CiA 301 does not name");
 }
 
 }  // namespace inbetween::can
