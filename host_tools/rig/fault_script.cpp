@@ -192,7 +192,7 @@ double read_ratio(const TomlValue& value, const RigAxis& axis) {
   if (!std::holds_alternative<CubemarsDrive>(axis.drive)) {
     value.refuse(
         fmt::format("needs an axis with a cubemars drive, whose positions have two scales, and {} has "
-                    "none",
+                    "none; leave it out",
                     in_quotes(axis.name)));
   }
   constexpr double max_ratio = 1000;

@@ -51,7 +51,7 @@ for cited in $(grep --recursive --no-filename --only-matching --extended-regexp 
 done
 
 # And it is seen where it is not.
-sed 's/BadInput\.NoFrames/BadInput.NoSuchTest/; /^| 12 |/d' "$document" >"$scratch/spoiled.md"
+sed 's/BadInput\.ACoordinateIsNotANumber/BadInput.NoSuchTest/; /^| 12 |/d' "$document" >"$scratch/spoiled.md"
 expect "a wrong name and a missing row are found" "no row of fault 12
 no such test: BadInput.NoSuchTest" "$(complaints_of "$scratch/spoiled.md")"
 all_was_as_expected 'docs/faults.md: every test is there'

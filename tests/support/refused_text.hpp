@@ -53,7 +53,7 @@ inline MarkedText without_mark(std::string marked) {
 }
 
 /// Expects `parse(text, "file.toml")` to throw InputError at the place marked with @ in `marked` (the mark is
-/// not part of the text), as one line that contains all of `words`.
+/// not part of the text), as one line that says what to do and contains all of `words`.
 template <typename Parse>
 void expect_refused(Parse parse, std::string marked, std::initializer_list<std::string_view> words) {
   const MarkedText input = without_mark(std::move(marked));
@@ -66,6 +66,8 @@ void expect_refused(Parse parse, std::string marked, std::initializer_list<std::
     EXPECT_EQ(to_string(error.place()), to_string(place)) << line;
     EXPECT_THAT(line, testing::StartsWith(to_string(error.place()) + ": error: "));
     EXPECT_THAT(line, testing::Not(testing::HasSubstr("\n")));
+    const std::size_t remedy = line.find("; ");
+    EXPECT_TRUE(remedy != std::string::npos && remedy + 3 < line.size()) << "no remedy in: " << line;
     for (const std::string_view word : words) EXPECT_THAT(line, testing::HasSubstr(std::string(word)));
   }
 }

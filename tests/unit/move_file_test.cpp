@@ -413,6 +413,7 @@ TEST(MoveFile, AnUnknownWordMeetsTheListOfWords) {
 
 TEST(MoveFile, NotANumberAndInfinityAreRefused) {
   expect_change_refused("80.0", "@nan", {"at[1] is nan; write a number from -1e+100 to 1e+100"});
+  expect_change_refused("80.0", "@inf", {"at[1] is inf; write a number"});
   expect_change_refused("80.0", "@-inf", {"at[1] is -inf; write a number"});
   expect_change_refused("4.5", "@nan", {"speed[3] is nan; write a number from 0 to 100"});
   expect_change_refused("0.5]", "@inf]", {"weights[1] is inf; write a number"});
@@ -486,12 +487,13 @@ TEST(MoveFile, ATrackNeedsAxes) {
 }
 
 TEST(MoveFile, AnAxisIsInATrackOnce) {
-  expect_change_refused("\"lift\"", "@\"track\"", {"axes[1] is \"track\", which line 6 has already"});
+  expect_change_refused("\"lift\"", "@\"track\"",
+                        {"axes[1] is \"track\", which line 6 has already", "name each axis once"});
 }
 
 TEST(MoveFile, AnAxisIsInOneTrackOnly) {
   expect_move_refused(with(locked, "\"pan\"", "@\"tilt\""),
-                      {"axes[0] is \"tilt\", which line 5 has already", "in one track"});
+                      {"axes[0] is \"tilt\", which line 5 has already", "name each axis once in one track"});
 }
 
 TEST(MoveFile, TensionContinuityAndBiasAreWithinOne) {

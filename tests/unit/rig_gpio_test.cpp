@@ -191,7 +191,7 @@ TEST(RigGpio, AnAxisIsNoFasterThanItsDriveMayStep) {
 TEST(RigGpio, PulseAndPausePermitTheHighestRate) {
   expect_change_refused("enable = 22", "pulse_us = @96",
                         {"pulse_us does not go with the others: pulse_us + pause_us is 101 us",
-                         "max_step_rate = 10000, 100 us"});
+                         "max_step_rate = 10000, 100 us", "lower one of the three"});
   expect_change_refused("enable = 22", "pause_us = @95.001", {"pause_us does not go", "100.001 us"});
   expect_change_refused("enable = 22", "max_step_rate = @100_001", {"max_step_rate does not go"});
   EXPECT_EQ(slide_drive(changed("enable = 22", "max_step_rate = 100_000")).max_step_rate, 100'000);
@@ -308,9 +308,10 @@ TEST(RigGpio, AHomeSaysWhereAndHowFast) {
                         {"at is 1000000000 mm, which the drive cannot count to"});
   expect_change_refused("back_off = 5", "back_off = 5, at = @800",
                         {"at puts the switch at 800 mm, where no way down leads from max = 800"});
-  expect_change_refused("home = { chip = \"head\", line = 23, direction = \"negative\"",
-                        "home = @{ chip = \"head\", line = 23, direction = \"positive\"",
-                        {"home puts the switch at 0 mm, where no way up leads from min = 0"});
+  expect_change_refused(
+      "home = { chip = \"head\", line = 23, direction = \"negative\"",
+      "home = @{ chip = \"head\", line = 23, direction = \"positive\"",
+      {"home puts the switch at 0 mm, where no way up leads from min = 0", "or the other direction"});
   expect_change_refused("back_off", "@backoff", {"did you mean \"back_off\"?"});
 }
 
