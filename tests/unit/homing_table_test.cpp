@@ -103,22 +103,6 @@ TEST(HomingTable, EveryPhaseAndSignalLeadsWhereItShould) {
   }
 }
 
-/// Whatever comes in whatever order: only through the slow approach does an axis know where it is.
-TEST(HomingTable, NothingLeadsToAReferenceButTheSlowApproach) {
-  for (std::size_t p = 0; p < homing_phases; ++p) {
-    for (std::size_t s = 0; s < homing_signals; ++s) {
-      const auto phase = static_cast<Phase>(p);
-      const HomingStep step = homing_step(phase, static_cast<Signal>(s));
-      if (step.phase == Phase::referenced && phase != Phase::referenced) {
-        EXPECT_EQ(phase, Phase::latching);
-      }
-      if (step.phase == Phase::latching && phase != Phase::latching) {
-        EXPECT_TRUE(phase == Phase::approaching || phase == Phase::settling);
-      }
-    }
-  }
-}
-
 TEST(HomingTable, EveryFailureHasItsOwnWords) {
   std::set<std::string> words;
   for (std::size_t f = 0; f < homing_failures; ++f) {
