@@ -96,14 +96,8 @@ class BusAxis {
 
   explicit BusAxis(const std::string& drive_text = DriveInRig<Kind>::text(), const std::string& more = "",
                    double position = stands_at)
-      : rig(parse_rig(rig_text({{.name = "pan",
-                                 .unit = "deg",
-                                 .min = -90,
-                                 .max = 90,
-                                 .max_velocity = 40,
-                                 .max_acceleration = 400,
-                                 .more = more,
-                                 .drive = drive_text}},
+      : rig(parse_rig(rig_text({axis_text("pan", "deg", {-90, 90}, {.velocity = 40, .acceleration = 400},
+                                          more, drive_text)},
                                {.rate_hz = 250, .more = DriveInRig<Kind>::bus()}),
                       "rig.toml")),
         drive(Kind::simulate(axis(), {.position = position, .keeps_record = true})) {

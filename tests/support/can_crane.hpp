@@ -34,20 +34,10 @@ keys = [ { at = [10, 100] }, { at = [20, 180] }, { at = [-5, 260] } ]
 speed = [0, 0, 10, 0, 0]
 )";
 
-inline const std::string rig_of_crane = rig_text({{.name = "pan",
-                                                   .unit = "deg",
-                                                   .min = -90,
-                                                   .max = 90,
-                                                   .max_velocity = 120,
-                                                   .max_acceleration = 1000,
-                                                   .drive = cia402_text(1)},
-                                                  {.name = "track",
-                                                   .min = 0,
-                                                   .max = 500,
-                                                   .max_velocity = 250,
-                                                   .max_acceleration = 1000,
-                                                   .drive = cia402_text(2)}},
-                                                 {.rate_hz = 250, .more = bus_can0});
+inline const std::string rig_of_crane = rig_text(
+    {axis_text("pan", "deg", {-90, 90}, {.velocity = 120, .acceleration = 1000}, "", cia402_text(1)),
+     axis_text("track", "mm", {0, 500}, {.velocity = 250, .acceleration = 1000}, "", cia402_text(2))},
+    {.rate_hz = 250, .more = bus_can0});
 
 /// Two axes on one bus, standing at the start of the move.
 struct CanCrane {

@@ -19,6 +19,33 @@ struct AxisText {
   std::string drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1)";
 };
 
+/// Where an axis may be, in its unit.
+struct RangeText {
+  double min = -100, max = 200;
+};
+
+/// How it may move, in its unit and seconds. A jerk of 0: none is said.
+struct LimitsText {
+  double velocity = 150;
+  double acceleration = 400;
+  double jerk = 0;
+};
+
+/// An axis of which the range and the limits matter.
+inline AxisText axis_text(const std::string& name, const std::string& unit, RangeText range,
+                          LimitsText limits = {}, const std::string& more = "",
+                          const std::string& drive = AxisText{}.drive) {
+  const std::string jerk = limits.jerk > 0 ? fmt::format("max_jerk = {}", limits.jerk) : "";
+  return {.name = name,
+          .unit = unit,
+          .min = range.min,
+          .max = range.max,
+          .max_velocity = limits.velocity,
+          .max_acceleration = limits.acceleration,
+          .more = jerk + (jerk.empty() || more.empty() ? "" : "\n") + more,
+          .drive = drive};
+}
+
 struct RigText {
   std::string name = "table";
   int rate_hz = 100;
@@ -48,29 +75,19 @@ inline std::string rig_text(const std::vector<AxisText>& axes, const RigText& ri
 
 /// A head of two such drives on that bus; `more` are lines before its axes.
 inline std::string pan_and_tilt_text(const std::string& more = "") {
-  std::vector<AxisText> axes;
-  for (const char* name : {"pan", "tilt"}) {
-    axes.push_back({.name = name,
-                    .unit = "deg",
-                    .min = -90,
-                    .max = 90,
-                    .max_velocity = 60,
-                    .max_acceleration = 120,
-                    .more = "unpowered = \"holds\"",
-                    .drive = cia402_text(static_cast<int>(axes.size()) + 1)});
-  }
-  return rig_text(axes, {.name = "head", .rate_hz = 250, .more = bus_can0 + more});
+  const auto axis = [](const char* name, int node) {
+    return axis_text(name, "deg", {-90, 90}, {.velocity = 60, .acceleration = 120}, "unpowered = \"holds\"",
+                     cia402_text(node));
+  };
+  return rig_text({axis("pan", 1), axis("tilt", 2)},
+                  {.name = "head", .rate_hz = 250, .more = bus_can0 + more});
 }
 
 /// A stepper drive that somebody has told where it stands.
 inline AxisText stepper_track() {
-  return {.name = "track",
-          .min = 0,
-          .max = 500,
-          .max_velocity = 250,
-          .max_acceleration = 1000,
-          .more = "max_jerk = 20000\nreference = \"operator\"",
-          .drive = R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"};
+  return axis_text("track", "mm", {0, 500}, {.velocity = 250, .acceleration = 1000, .jerk = 20'000},
+                   R"(reference = "operator")",
+                   R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)");
 }
 
 }  // namespace inbetween

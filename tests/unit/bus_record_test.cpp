@@ -21,13 +21,10 @@
 namespace inbetween {
 namespace bus_record_test {
 
-const std::string rig_of_document = rig_text({{.name = "slide",
-                                               .min = -10,
-                                               .max_velocity = 200,
-                                               .max_acceleration = 800,
-                                               .more = "reference = \"drive\"",
-                                               .drive = cia402_text(5)}},
-                                             {.rate_hz = 250, .more = bus_can0});
+const std::string rig_of_document =
+    rig_text({axis_text("slide", "mm", {-10, 200}, {.velocity = 200, .acceleration = 800},
+                        "reference = \"drive\"", cia402_text(5))},
+             {.rate_hz = 250, .more = bus_can0});
 
 /// As candump -L writes it.
 std::string text_of(const can::Frame& frame) {

@@ -13,6 +13,7 @@
 
 #include "host_tools/text/diagnostics.hpp"
 #include "tests/support/bus_axis.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace cubemars_test {
@@ -153,15 +154,11 @@ TEST(CubemarsOnABus, WhenThisProgramDiesItGoesNoFasterThanItsLimitToItsLastPosit
 TEST(CubemarsOnABus, AMotorWithAnotherScaleIsFoundBeforeItHasGoneFar) {
   BusAxis<CubemarsKind> axis;
   const std::string text = DriveInRig<CubemarsKind>::text();
-  const RigFile other = parse_rig(rig_text({{.name = "pan",
-                                             .unit = "deg",
-                                             .min = -90,
-                                             .max = 90,
-                                             .max_velocity = 40,
-                                             .max_acceleration = 400,
-                                             .drive = text + ", counts_per_deg = 1000000"}},
-                                           {.rate_hz = 250, .more = bus_can0}),
-                                  "rig.toml");
+  const RigFile other =
+      parse_rig(rig_text({axis_text("pan", "deg", {-90, 90}, {.velocity = 40, .acceleration = 400}, "",
+                                    text + ", counts_per_deg = 1000000")},
+                         {.rate_hz = 250, .more = bus_can0}),
+                "rig.toml");
   // A host that has the early scale, and a motor with today's: it is told to go a hundred times as far.
   std::vector<CubemarsKind::Bus::Drive> hosts{CubemarsKind::host_of(other.axes[0], other.rate_hz)};
   CubemarsKind::Bus bus = CubemarsKind::bus_of(hosts, other.rate_hz, other.axes[0]);

@@ -20,18 +20,9 @@ using testing::SizeIs;
 
 /// A camera on a slide.
 std::string slide_and_pan() {
-  return rig_text({{.name = "slide",
-                    .max = 1800,
-                    .max_velocity = 500,
-                    .max_acceleration = 800,
-                    .more = "max_jerk = 8000\n"},
-                   {.name = "pan",
-                    .unit = "deg",
-                    .min = -180,
-                    .max = 180,
-                    .max_velocity = 90,
-                    .max_acceleration = 180,
-                    .more = "max_jerk = 1800\n"}});
+  return rig_text(
+      {axis_text("slide", "mm", {-100, 1800}, {.velocity = 500, .acceleration = 800, .jerk = 8000}),
+       axis_text("pan", "deg", {-180, 180}, {.velocity = 90, .acceleration = 180, .jerk = 1800})});
 }
 
 /// The head of a puppet.
@@ -138,13 +129,8 @@ TEST(Cure, ANodWithAHoldIsCuredByStayingBetweenItsKeys) {
 
 /// The lids of a puppet, whose servos have a max_jerk.
 std::string lids() {
-  return rig_text({{.name = "lid",
-                    .unit = "deg",
-                    .min = 0,
-                    .max = 45,
-                    .max_velocity = 500,
-                    .max_acceleration = 8000,
-                    .more = "max_jerk = 200000\n"}});
+  return rig_text(
+      {axis_text("lid", "deg", {0, 45}, {.velocity = 500, .acceleration = 8000, .jerk = 200000})});
 }
 
 std::string blink(const std::string& more = "") {
@@ -198,20 +184,10 @@ TEST(Cure, OfSixKeysThatTurnBackThoseThatNeedItRest) {
 
 /// A head whose motors are so many times as slow.
 std::string slow_head(double times) {
-  return rig_text({{.name = "pan",
-                    .unit = "deg",
-                    .min = -70,
-                    .max = 70,
-                    .max_velocity = 120 / times,
-                    .max_acceleration = 600 / times,
-                    .more = fmt::format("max_jerk = {}\n", 6000 / times)},
-                   {.name = "roll",
-                    .unit = "deg",
-                    .min = -20,
-                    .max = 20,
-                    .max_velocity = 80 / times,
-                    .max_acceleration = 400 / times,
-                    .more = fmt::format("max_jerk = {}\n", 4000 / times)}});
+  return rig_text({axis_text("pan", "deg", {-70, 70}, {.velocity = 120 / times, .acceleration = 600 / times},
+                             fmt::format("max_jerk = {}\n", 6000 / times)),
+                   axis_text("roll", "deg", {-20, 20}, {.velocity = 80 / times, .acceleration = 400 / times},
+                             fmt::format("max_jerk = {}\n", 4000 / times))});
 }
 
 // The program said overshoot = false and ease = true at key 2, in 940576 frames.
@@ -272,20 +248,9 @@ std::string dialogue(const std::string& ease) {
 }
 
 TEST(Cure, AllKeysAtWhichAnAxisStepsAreEasedAtOnce) {
-  const std::string rig = rig_text({{.name = "jaw",
-                                     .unit = "deg",
-                                     .min = 0,
-                                     .max = 22,
-                                     .max_velocity = 220,
-                                     .max_acceleration = 2400,
-                                     .more = "max_jerk = 48000\n"},
-                                    {.name = "neck",
-                                     .unit = "deg",
-                                     .min = -60,
-                                     .max = 60,
-                                     .max_velocity = 180,
-                                     .max_acceleration = 900,
-                                     .more = "max_jerk = 9000\n"}});
+  const std::string rig =
+      rig_text({axis_text("jaw", "deg", {0, 22}, {.velocity = 220, .acceleration = 2400, .jerk = 48000}),
+                axis_text("neck", "deg", {-60, 60}, {.velocity = 180, .acceleration = 900, .jerk = 9000})});
   const std::string axes = R"("jaw", "neck")";
   const std::optional<Cure> cure = cure_of(move_of(axes, 88, dialogue("")), rig);
   ASSERT_TRUE(cure);

@@ -12,6 +12,7 @@
 #include "host_tools/motions/home.hpp"
 #include "inbetween/can/cia402_homing.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/simulated_can_rig.hpp"
 #include "tests/support/temporary_file.hpp"
@@ -231,28 +232,13 @@ TEST_F(HomingDrive, OneThatDoesNotOfferItIsRefused) {
 
 // --- what a rig says
 
-const std::string table = R"(name = "table"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 300
-max_velocity = 100
-max_acceleration = 400
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = -1000 }
-home = { by = "drive", method = 17, fast = 50, slow = 5, acceleration = 200, at = 10, timeout_s = 9 }
-[[axis]]
-name = "lift"
-unit = "mm"
-min = 0
-max = 300
-max_velocity = 100
-max_acceleration = 400
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+const std::string table = rig_text(
+    {axis_text(
+         "slide", "mm", {0, 300}, {.velocity = 100, .acceleration = 400},
+         R"(home = { by = "drive", method = 17, fast = 50, slow = 5, acceleration = 200, at = 10, timeout_s = 9 })",
+         cia402_text(1, -1000)),
+     axis_text("lift", "mm", {0, 300}, {.velocity = 100, .acceleration = 400}, "", cia402_text(2))},
+    {.name = "table", .rate_hz = 250, .more = bus_can0});
 
 /// The place is marked in `to`, or is the last `place` in the home of the slide. `without` is left out.
 void refused(std::string_view from, std::string_view to, std::initializer_list<std::string_view> words,

@@ -212,11 +212,9 @@ struct Sheet {
   explicit Sheet(const std::string& eds, const std::string& drive = "") {
     std::ofstream(folder.path() / "drive.eds") << eds;
     std::ofstream(folder.path() / "rig.toml")
-        << rig_text({{.name = "slide",
-                      .max_velocity = 200,
-                      .max_acceleration = 800,
-                      .more = "unpowered = \"holds\"\nreference = \"drive\"",
-                      .drive = cia402_text(5) + R"(, eds = "drive.eds")" + drive}},
+        << rig_text({axis_text("slide", "mm", {-100, 200}, {.velocity = 200, .acceleration = 800},
+                               "unpowered = \"holds\"\nreference = \"drive\"",
+                               cia402_text(5) + R"(, eds = "drive.eds")" + drive)},
                     {.rate_hz = 250, .more = bus_can0});
   }
   [[nodiscard]] std::string rig() const { return (folder.path() / "rig.toml").string(); }

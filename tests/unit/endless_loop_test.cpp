@@ -28,13 +28,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 AxisText neck(const std::string& name, double min, double max) {
-  return {.name = name,
-          .unit = "deg",
-          .min = min,
-          .max = max,
-          .max_velocity = 150,
-          .max_acceleration = 800,
-          .more = "unpowered = \"holds\""};
+  return axis_text(name, "deg", {min, max}, {.velocity = 150, .acceleration = 800}, "unpowered = \"holds\"");
 }
 const std::string head_text = rig_text(
     {neck("neck_yaw", -70, 70), neck("neck_nod", -30, 35), neck("neck_tilt", -25, 25)}, {.name = "head"});

@@ -21,39 +21,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string crane = R"(name = "crane"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 250
-max_acceleration = 1000
-max_jerk = 20000
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 120
-max_acceleration = 700
-reference = "operator"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "tilt"
-unit = "deg"
-min = -30
-max = 30
-max_velocity = 60
-max_acceleration = 100
-reference = "drive"
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+const std::string crane = rig_text({stepper_track(),
+                                    axis_text("pan", "deg", {-90, 90}, {.velocity = 120, .acceleration = 700},
+                                              R"(reference = "operator")", cia402_text(1)),
+                                    axis_text("tilt", "deg", {-30, 30}, {.velocity = 60, .acceleration = 100},
+                                              R"(reference = "drive")", cia402_text(2))},
+                                   {.name = "crane", .rate_hz = 250, .more = bus_can0});
 
 /// The rig in a file, and a file for its positions.
 struct Stage {
@@ -123,18 +96,12 @@ TEST(GotoCommand, AnAxisThatIsThereDoesNotMove) {
 TEST(GotoCommand, AnAxisOutsideItsLimitsComesInSlowlyFromEitherSide) {
   for (const char* type : {R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000)",
                            R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"}) {
-    const TemporaryFile rig("rig.toml",
-                            rig_text({{.name = "slide",
-                                       .min = 0,
-                                       .max = 1200,
-                                       .max_velocity = 250,
-                                       .max_acceleration = 500,
-                                       .more = std::string("max_jerk = 5000\n") +
-                                               (std::string(type).find("cia402") != std::string::npos
-                                                    ? "reference = \"drive\""
-                                                    : "reference = \"operator\""),
-                                       .drive = type}},
-                                     {.rate_hz = 250, .more = bus_can0}));
+    const bool is_stepper = std::string(type).find("step-dir") != std::string::npos;
+    const TemporaryFile rig(
+        "rig.toml",
+        rig_text({axis_text("slide", "mm", {0, 1200}, {.velocity = 250, .acceleration = 500, .jerk = 5000},
+                            is_stepper ? R"(reference = "operator")" : R"(reference = "drive")", type)},
+                 {.rate_hz = 250, .more = bus_can0}));
     for (const auto& [stands, to] :
          {std::pair{"-3", "0"}, {"-20", "0"}, {"1203", "1200"}, {"1260", "1100"}}) {
       const std::vector<std::string> words{"goto",

@@ -34,37 +34,18 @@ namespace home_command_test {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string slider = R"(name = "slider"
-rate_hz = 250
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 800
-max_velocity = 120
-max_acceleration = 250
-max_jerk = 1500
-drive = { type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 80 }
-home = { chip = "gpio", line = 23, active = "high", direction = "negative", fast = 40, slow = 4, back_off = 10, at = -5 }
-[[axis]]
-name = "focus"
-unit = "deg"
-min = 0
-max = 270
-max_velocity = 120
-max_acceleration = 480
-reference = "operator"
-drive = { type = "step-dir", chip = "gpio", step = 5, dir = 6, steps_per_unit = 10 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 45
-max_acceleration = 90
-drive = { type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 100 }
-home = { chip = "gpio", line = 25, active = "high", direction = "positive", fast = 15, slow = 1.5, back_off = 4, at = 92 }
-)";
+const std::string slider = rig_text(
+    {axis_text(
+         "slide", "mm", {0, 800}, {.velocity = 120, .acceleration = 250, .jerk = 1500},
+         R"(home = { chip = "gpio", line = 23, active = "high", direction = "negative", fast = 40, slow = 4, back_off = 10, at = -5 })",
+         R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 80)"),
+     axis_text("focus", "deg", {0, 270}, {.velocity = 120, .acceleration = 480}, R"(reference = "operator")",
+               R"(type = "step-dir", chip = "gpio", step = 5, dir = 6, steps_per_unit = 10)"),
+     axis_text(
+         "pan", "deg", {-90, 90}, {.velocity = 45, .acceleration = 90},
+         R"(home = { chip = "gpio", line = 25, active = "high", direction = "positive", fast = 15, slow = 1.5, back_off = 4, at = 92 })",
+         R"(type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 100)")},
+    {.name = "slider", .rate_hz = 250});
 
 constexpr std::int64_t tick_ns = 4'000'000;
 constexpr double tick_s = 0.004;
@@ -415,10 +396,7 @@ TEST(HomeCommand, BadInputIsOneLine) {
   expect_refused(
       run_program({"home", "--rig", in_checkout("examples/camera_rig.toml"), "pan", "--sim", "--fast"}), 1,
       {"axis \"pan\" has no home switch", "its drive says where it is, and inbetween goto --rig"});
-  const std::string text = slider;
-  const std::size_t home = text.find("home = "), end = text.find('\n', home);
-  const std::size_t second = text.find("home = ", end);
-  const TemporaryFile none("none.toml", text.substr(0, home) + text.substr(end + 1, second - end - 1));
+  const TemporaryFile none("none.toml", rig_text({stepper_track()}));
   expect_refused(run_program({"home", "--rig", none.path().string(), "--sim", "--fast"}), 1,
                  {"no axis of the rig has a home switch"});
 }

@@ -32,17 +32,11 @@ namespace jog_test {
 
 using testing::HasSubstr;
 
-const std::string crane =
-    rig_text({stepper_track(),
-              {.name = "pan",
-               .unit = "deg",
-               .min = -90,
-               .max = 90,
-               .max_velocity = 120,
-               .max_acceleration = 700,
-               .more = R"(reference = "operator")",
-               .drive = R"(type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 50)"}},
-             {.name = "crane", .rate_hz = 250});
+const std::string crane = rig_text(
+    {stepper_track(),
+     axis_text("pan", "deg", {-90, 90}, {.velocity = 120, .acceleration = 700}, R"(reference = "operator")",
+               R"(type = "step-dir", chip = "gpio", step = 19, dir = 26, steps_per_unit = 50)")},
+    {.name = "crane", .rate_hz = 250});
 
 const std::string left = "\x1b[D", right = "\x1b[C", up = "\x1b[A", down = "\x1b[B";
 constexpr std::int64_t tick_ns = 4'000'000;
@@ -703,16 +697,12 @@ std::vector<double> places_of(const std::string& record) {
 
 // docs/faults.md 49. The drive would take it in by itself, if its limits were narrower.
 TEST(Jog, AnAxisOutsideItsLimitsStandsStillUntilAKeyIsPressedAndComesInSlowly) {
-  const RigFile rig =
-      parse_rig(rig_text({{.name = "slide",
-                           .min = 0,
-                           .max = 1200,
-                           .max_velocity = 250,
-                           .max_acceleration = 500,
-                           .more = "max_jerk = 5000\nreference = \"drive\"",
-                           .drive = R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000)"}},
-                         {.rate_hz = 250, .more = bus_can0}),
-                "rig.toml");
+  const RigFile rig = parse_rig(
+      rig_text({axis_text("slide", "mm", {0, 1200}, {.velocity = 250, .acceleration = 500, .jerk = 5000},
+                          R"(reference = "drive")",
+                          R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000)")},
+               {.rate_hz = 250, .more = bus_can0}),
+      "rig.toml");
   constexpr double increment = 10, max_step = 0.1 * 250 * tick_s;
   constexpr double count = 0.0015;  // one of 0.001, and rounding
   const TemporaryFolder folder;

@@ -24,13 +24,9 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::string rig = rig_text({{.name = "zoom",
-                                   .min = -1000,
-                                   .max = 1000,
-                                   .max_velocity = 200,
-                                   .max_acceleration = 2000,
-                                   .more = "max_jerk = 40000"}},
-                                 {.rate_hz = 250});
+const std::string rig =
+    rig_text({axis_text("zoom", "mm", {-1000, 1000}, {.velocity = 200, .acceleration = 2000, .jerk = 40000})},
+             {.rate_hz = 250});
 
 std::string move_of(const std::string& track, int frames = 96) {
   return "name = \"move\"\nfps = 24\nframes = " + std::to_string(frames) +

@@ -20,20 +20,10 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 const std::string drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 100)";
-const std::string rig = rig_text({{.name = "track",
-                                   .min = -100'000,
-                                   .max = 100'000,
-                                   .max_velocity = 5000,
-                                   .max_acceleration = 20'000,
-                                   .drive = drive},
-                                  {.name = "pan",
-                                   .unit = "deg",
-                                   .min = -1080,
-                                   .max = 1080,
-                                   .max_velocity = 2000,
-                                   .max_acceleration = 20'000,
-                                   .drive = drive}},
-                                 {.rate_hz = 250});
+const std::string rig = rig_text(
+    {axis_text("track", "mm", {-100'000, 100'000}, {.velocity = 5000, .acceleration = 20'000}, "", drive),
+     axis_text("pan", "deg", {-1080, 1080}, {.velocity = 2000, .acceleration = 20'000}, "", drive)},
+    {.rate_hz = 250});
 
 std::string move_of(const std::string& track) {
   return "name = \"move\"\nfps = 24\nframes = 96\n[[track]]\n" + track + "\nspeed = [0, 0, 10, 0, 0]\n";

@@ -45,36 +45,16 @@ const char* const crane = R"(<robot name="crane">
 </robot>
 )";
 
-const char* const rig = R"(name = "crane"
-rate_hz = 100
-[kinematics]
+const std::string rig = rig_text({axis_text("focus", "unit", {0, 9}, {.velocity = 1, .acceleration = 1}, "",
+                                            R"(type = "pipe", path = "f", counts_per_unit = 1)"),
+                                  axis_text("boom", "deg", {-50, 50}, {.velocity = 20, .acceleration = 1}, "",
+                                            R"(type = "pipe", path = "b", counts_per_unit = 1)"),
+                                  axis_text("track", "mm", {0, 4000}, {.velocity = 500, .acceleration = 1},
+                                            "", R"(type = "pipe", path = "t", counts_per_unit = 1)")},
+                                 {.name = "crane", .more = R"([kinematics]
 urdf = "crane.urdf"
 tip = "head"
-[[axis]]
-name = "focus"
-unit = "unit"
-min = 0
-max = 9
-max_velocity = 1
-max_acceleration = 1
-drive = { type = "pipe", path = "f", counts_per_unit = 1 }
-[[axis]]
-name = "boom"
-unit = "deg"
-min = -50
-max = 50
-max_velocity = 20
-max_acceleration = 1
-drive = { type = "pipe", path = "b", counts_per_unit = 1 }
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 4000
-max_velocity = 500
-max_acceleration = 1
-drive = { type = "pipe", path = "t", counts_per_unit = 1 }
-)";
+)"});
 
 Kinematics kinematics_of(const std::string& urdf, const std::string& rig_text) {
   return {parse_urdf(urdf, "crane.urdf"), parse_rig(rig_text, "rig.toml")};
@@ -132,16 +112,16 @@ TEST(Kinematics, AnAxisOfAJointThatMimicsIsRefused) {
 }
 
 TEST(Kinematics, AUnitThatTheJointCannotHaveIsRefused) {
-  expect_refused(crane, with(rig, "\"mm\"", "\"deg\""), "rig.toml:22:1", {"slides", "\"mm\" or \"m\""});
-  expect_refused(crane, with(rig, "\"deg\"", "\"mm\""), "rig.toml:14:1", {"turns", "\"deg\""});
-  expect_refused(crane, with(rig, "\"deg\"", "\"unit\""), "rig.toml:14:1", {"turns", "\"deg\""});
+  expect_refused(crane, with(rig, "\"mm\"", "\"deg\""), "rig.toml:24:1", {"slides", "\"mm\" or \"m\""});
+  expect_refused(crane, with(rig, "\"deg\"", "\"mm\""), "rig.toml:15:1", {"turns", "\"deg\""});
+  expect_refused(crane, with(rig, "\"deg\"", "\"unit\""), "rig.toml:15:1", {"turns", "\"deg\""});
 }
 
 TEST(Kinematics, AnAxisThatGoesBeyondItsJointIsRefused) {
-  expect_refused(crane, with(rig, "max = 4000", "max = 4000.1"), "rig.toml:22:1",
+  expect_refused(crane, with(rig, "max = 4000", "max = 4000.1"), "rig.toml:24:1",
                  {"max = 4000.1 mm", "4.0001 m", "crane.urdf:10"});
-  expect_refused(crane, with(rig, "min = -50", "min = -57.3"), "rig.toml:14:1", {"min = -57.3 deg"});
-  expect_refused(crane, with(rig, "max_velocity = 500", "max_velocity = 501"), "rig.toml:22:1",
+  expect_refused(crane, with(rig, "min = -50", "min = -57.3"), "rig.toml:15:1", {"min = -57.3 deg"});
+  expect_refused(crane, with(rig, "max_velocity = 500", "max_velocity = 501"), "rig.toml:24:1",
                  {"max_velocity", "0.5 (crane.urdf:10)"});
   // Those of a joint that mimics are often left from before it did.
   const std::string limited = with(crane, "<joint name=\"level\" type=\"continuous\">",

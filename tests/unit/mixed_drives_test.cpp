@@ -29,13 +29,8 @@ RigFile mixed_rig() {
         std::string(R"(type = "odrive", bus = "can0", node = 8, turns_per_unit = 0.125, firmware = "0.6")"),
         std::string(R"(type = "odrive", bus = "can0", node = 9, turns_per_unit = -0.2, firmware = "0.5")"),
         std::string(R"(type = "moteus", bus = "can1", node = 1, turns_per_unit = 0.1)")}) {
-    texts.push_back({.name = fmt::format("a{}", texts.size()),
-                     .unit = "deg",
-                     .min = -90,
-                     .max = 90,
-                     .max_velocity = 60,
-                     .max_acceleration = 400,
-                     .drive = drive});
+    texts.push_back(axis_text(fmt::format("a{}", texts.size()), "deg", {-90, 90},
+                              {.velocity = 60, .acceleration = 400}, "", drive));
   }
   return parse_rig(
       rig_text(texts, {.rate_hz = 250,

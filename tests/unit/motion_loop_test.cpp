@@ -34,20 +34,9 @@ speed = [0, 0, 10, 0, 0]
 )";
 
 const std::string crane_rig =
-    rig_text({{.name = "track",
-               .min = 0,
-               .max = 500,
-               .max_velocity = 250,
-               .max_acceleration = 1000,
-               .more = "max_jerk = 20000"},
+    rig_text({axis_text("track", "mm", {0, 500}, {.velocity = 250, .acceleration = 1000, .jerk = 20000}),
               {.name = "lamp", .unit = "unit", .min = 0, .max = 1, .max_velocity = 1, .max_acceleration = 1},
-              {.name = "pan",
-               .unit = "deg",
-               .min = -90,
-               .max = 90,
-               .max_velocity = 120,
-               .max_acceleration = 700,
-               .more = "max_jerk = 12000"}},
+              axis_text("pan", "deg", {-90, 90}, {.velocity = 120, .acceleration = 700, .jerk = 12000})},
              {.name = "crane", .rate_hz = 250});
 
 constexpr double tick_s = 1.0 / 250;
@@ -73,6 +62,12 @@ struct Crane {
     EXPECT_TRUE(loop.post(SupervisorEvent::arm));
     tick(2);
     EXPECT_EQ(loop.state(), SupervisorState::ready);
+  }
+  /// Arms the rig, starts the move and plays so many ticks of it.
+  void play(int ticks) {
+    arm();
+    EXPECT_TRUE(loop.post(SupervisorEvent::start));
+    tick(ticks);
   }
   void run_until_rest() {
     for (int i = 0;
@@ -136,9 +131,7 @@ TEST(MotionLoop, AnAxisThatIsNotWhereTheMoveStartsIsNamedAndNothingMoves) {
 // docs/faults.md 40
 TEST(MotionLoop, AStopLatchesAndGoesOnOnlyWhenAcknowledgedAndStarted) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   ASSERT_TRUE(crane.loop.post(SupervisorEvent::stop));
   EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
   crane.run_until_rest();
@@ -159,9 +152,7 @@ TEST(MotionLoop, AStopLatchesAndGoesOnOnlyWhenAcknowledgedAndStarted) {
 
 TEST(MotionLoop, APauseIsNoStop) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   crane.playhead.stop();
   crane.tick(500);
   EXPECT_EQ(crane.loop.state(), SupervisorState::running);
@@ -173,9 +164,7 @@ TEST(MotionLoop, APauseIsNoStop) {
 
 TEST(MotionLoop, AStopWhilePausedIsAtRestAtOnce) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   crane.playhead.stop();
   crane.tick(500);
   ASSERT_TRUE(crane.loop.post(SupervisorEvent::stop));
@@ -186,9 +175,7 @@ TEST(MotionLoop, AStopWhilePausedIsAtRestAtOnce) {
 // docs/faults.md 28
 TEST(MotionLoop, WithoutPowerNothingIsSentAndNothingResumesByItself) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   crane.lines.is_pressed = true;
   crane.tick(1);
   EXPECT_EQ(crane.loop.state(), SupervisorState::faulted);
@@ -212,9 +199,7 @@ TEST(MotionLoop, WithoutPowerNothingIsSentAndNothingResumesByItself) {
 
 TEST(MotionLoop, AfterLostPowerNoSpeedIsLeftOver) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   crane.rig.disconnect();
   crane.tick(1);
   EXPECT_TRUE(crane.playhead.is_resting()) << "no speed is left over";
@@ -238,9 +223,7 @@ TEST(MotionLoop, AfterLostPowerNoSpeedIsLeftOver) {
 // docs/faults.md 23
 TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   crane.rig.set_fault(0, true);
   crane.tick(1);
   EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
@@ -261,9 +244,7 @@ TEST(MotionLoop, AFaultOfOneDriveSlowsAllDownOnThePath) {
 // docs/faults.md 36
 TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(30);
+  crane.play(30);
   EXPECT_FALSE(crane.loop.tick(3, 0).lost_time) << "it is slow here";
   EXPECT_EQ(crane.loop.state(), SupervisorState::running);
   std::vector<double> expected(2);
@@ -274,9 +255,7 @@ TEST(MotionLoop, ALateTickIsMadeUpForWhereNoAxisGoesBeyondItsVelocity) {
 // docs/faults.md 36
 TEST(MotionLoop, ALongStallIsAControlledStopAndNeverABurst) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(230);
+  crane.play(230);
   std::vector<double> before = crane.at();
   EXPECT_TRUE(crane.loop.tick(100, 0).lost_time);
   EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
@@ -389,9 +368,7 @@ TEST(MotionLoop, DrivesThatCannotPlayAMotorAreNotLoadedWithOne) {
 
 TEST(MotionLoop, DisarmingStopsFirst) {
   Crane crane;
-  crane.arm();
-  ASSERT_TRUE(crane.loop.post(SupervisorEvent::start));
-  crane.tick(200);
+  crane.play(200);
   EXPECT_TRUE(crane.loop.post(SupervisorEvent::disarm));
   EXPECT_EQ(crane.loop.state(), SupervisorState::stopping);
   crane.run_until_rest();

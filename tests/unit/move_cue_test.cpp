@@ -13,6 +13,7 @@
 #include "host_tools/move_model/move_file.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace move_cue_test {
@@ -39,9 +40,9 @@ frames = [0, 3, 10]
 width_ms = 60
 )";
 
-constexpr const char* rig = R"(name = "table"
-rate_hz = 100
-[start_trigger]
+const std::string rig = rig_text({axis_text("x", "mm", {-1, 100}, {.velocity = 100, .acceleration = 100}, "",
+                                            R"(type = "pipe", path = "/dev/null", counts_per_unit = 1)")},
+                                 {.name = "table", .more = R"([start_trigger]
 line = "START"
 [camera]
 line = "SHUTTER"
@@ -49,15 +50,7 @@ line = "SHUTTER"
 line = "LAMP"
 [output.clap]
 line = "CLAP"
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 100
-max_velocity = 100
-max_acceleration = 100
-drive = { type = "pipe", path = "/dev/null", counts_per_unit = 1 }
-)";
+)"});
 
 void expect_move_refused(const std::string& marked, std::initializer_list<std::string_view> words) {
   expect_refused([](std::string_view text, const std::string& file) { parse_move(text, file); }, marked,

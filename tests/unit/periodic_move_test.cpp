@@ -23,12 +23,8 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 AxisText axis_of_table(const std::string& name) {
-  return {.name = name,
-          .min = -1000,
-          .max = 1000,
-          .max_velocity = 1000,
-          .max_acceleration = 4000,
-          .drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1000)"};
+  return axis_text(name, "mm", {-1000, 1000}, {.velocity = 1000, .acceleration = 4000}, "",
+                   R"(type = "pipe", path = "/dev/null", counts_per_unit = 1000)");
 }
 const std::string rig = rig_text({axis_of_table("x"), axis_of_table("y")}, {.rate_hz = 480});
 

@@ -28,6 +28,7 @@
 #include "host_tools/text/toml_source.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/simulated_disk.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -39,37 +40,16 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-const std::string rig_text = R"(name = "slider"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 800
-max_velocity = 100
-max_acceleration = 200
-drive = { type = "step-dir", chip = "head", step = 17, dir = 27, steps_per_unit = 80 }
-home = { chip = "head", line = 23, direction = "negative", fast = 20, slow = 2, back_off = 5, at = 3 }
-[[axis]]
-name = "track"
-unit = "mm"
-min = 0
-max = 1500
-max_velocity = 400
-max_acceleration = 800
-reference = "drive"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "head pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 60
-max_acceleration = 120
-drive = { type = "pipe", path = "/dev/ttyACM0", counts_per_unit = 10 }
-)";
+const std::string slider = rig_text(
+    {axis_text(
+         "slide", "mm", {0, 800}, {.velocity = 100, .acceleration = 200},
+         R"(home = { chip = "head", line = 23, direction = "negative", fast = 20, slow = 2, back_off = 5, at = 3 })",
+         R"(type = "step-dir", chip = "head", step = 17, dir = 27, steps_per_unit = 80)"),
+     axis_text("track", "mm", {0, 1500}, {.velocity = 400, .acceleration = 800}, R"(reference = "drive")",
+               cia402_text(1)),
+     axis_text("head pan", "deg", {-90, 90}, {.velocity = 60, .acceleration = 120}, "",
+               R"(type = "pipe", path = "/dev/ttyACM0", counts_per_unit = 10)")},
+    {.name = "slider", .rate_hz = 250, .more = bus_can0});
 constexpr std::size_t slide = 0;
 constexpr std::size_t track = 1;
 constexpr std::size_t pan = 2;
@@ -77,12 +57,12 @@ constexpr std::size_t pan = 2;
 const std::string path = "/state/slider.positions";
 
 const RigFile& rig() {
-  static const RigFile read = parse_rig(rig_text, "slider.toml");
+  static const RigFile read = parse_rig(slider, "slider.toml");
   return read;
 }
 
 RigFile changed_rig(std::string_view from, std::string_view to) {
-  return parse_rig(with(rig_text, from, to), "slider.toml");
+  return parse_rig(with(slider, from, to), "slider.toml");
 }
 
 using Positions = std::vector<std::optional<double>>;
@@ -126,10 +106,10 @@ std::string with_sum(const std::string& body) {
 TEST(PositionFile, KeepsTheAxesWhosePositionNoDriveKnows) {
   EXPECT_THAT(kept_axes(rig()), ElementsAre(slide, pan));
   EXPECT_THAT(
-      kept_axes(parse_rig(rig_text + "[[axis]]\nname = \"lift\"\nunit = \"mm\"\nmin = 0\nmax = 1\n"
-                                     "max_velocity = 1\nmax_acceleration = 1\nreference = \"operator\"\n"
-                                     "drive = { type = \"cia402\", bus = \"can0\", node = 2, "
-                                     "counts_per_unit = 1 }\n",
+      kept_axes(parse_rig(slider + "[[axis]]\nname = \"lift\"\nunit = \"mm\"\nmin = 0\nmax = 1\n"
+                                   "max_velocity = 1\nmax_acceleration = 1\nreference = \"operator\"\n"
+                                   "drive = { type = \"cia402\", bus = \"can0\", node = 2, "
+                                   "counts_per_unit = 1 }\n",
                           "r")),
       ElementsAre(slide, pan, 3));
 }

@@ -25,10 +25,8 @@ RigFile rig_of(int count, int rate_hz, int bitrate, double scale = -1000,
                const std::string& watchdog = "heartbeat") {
   std::vector<AxisText> axes;
   for (int i = 1; i <= count; ++i) {
-    axes.push_back({.name = fmt::format("a{}", i),
-                    .min = -10.5,
-                    .max_velocity = 250,
-                    .drive = fmt::format(R"({}, watchdog = "{}")", cia402_text(i, scale), watchdog)});
+    axes.push_back(axis_text(fmt::format("a{}", i), "mm", {-10.5, 200}, {.velocity = 250}, "",
+                             fmt::format(R"({}, watchdog = "{}")", cia402_text(i, scale), watchdog)));
   }
   return parse_rig(
       rig_text(axes, {.rate_hz = rate_hz, .more = fmt::format("[bus.can0]\nbitrate = {}\n", bitrate)}),
@@ -98,38 +96,16 @@ TEST(RigDrives, ASlowRigGivesItsDrivesTheTimeOfSeveralTicks) {
 
 // --- drives that are told where their axes stand
 
-const std::string one_of_each =
-    rig_text({{.name = "steps",
-               .min = 0,
-               .max = 500,
-               .max_velocity = 50,
-               .max_acceleration = 100,
-               .more = R"(reference = "operator")",
-               .drive = R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"},
-              {.name = "can",
-               .unit = "deg",
-               .min = -90,
-               .max = 90,
-               .max_velocity = 12,
-               .max_acceleration = 70,
-               .more = R"(reference = "operator")",
-               .drive = cia402_text(1)},
-              {.name = "odrive",
-               .unit = "deg",
-               .min = -30,
-               .max = 30,
-               .max_velocity = 60,
-               .max_acceleration = 100,
-               .more = R"(reference = "operator")",
-               .drive = R"(type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1, firmware = "0.6")"},
-              {.name = "pipe",
-               .unit = "deg",
-               .min = -30,
-               .max = 30,
-               .max_velocity = 60,
-               .max_acceleration = 100,
-               .drive = R"(type = "pipe", path = "/tmp/pipe", counts_per_unit = 10)"}},
-             {.name = "each", .rate_hz = 250, .more = bus_can0});
+const std::string one_of_each = rig_text(
+    {axis_text("steps", "mm", {0, 500}, {.velocity = 50, .acceleration = 100}, R"(reference = "operator")",
+               R"(type = "step-dir", chip = "gpio", step = 17, dir = 27, steps_per_unit = 40)"),
+     axis_text("can", "deg", {-90, 90}, {.velocity = 12, .acceleration = 70}, R"(reference = "operator")",
+               cia402_text(1)),
+     axis_text("odrive", "deg", {-30, 30}, {.velocity = 60, .acceleration = 100}, R"(reference = "operator")",
+               R"(type = "odrive", bus = "can0", node = 2, turns_per_unit = 0.1, firmware = "0.6")"),
+     axis_text("pipe", "deg", {-30, 30}, {.velocity = 60, .acceleration = 100}, "",
+               R"(type = "pipe", path = "/tmp/pipe", counts_per_unit = 10)")},
+    {.name = "each", .rate_hz = 250, .more = bus_can0});
 
 TEST(RigDrives, EveryKindOfDriveTakesWhereItsAxisStandsAndGoesFromThere) {
   const RigFile rig = parse_rig(one_of_each, "rig.toml");

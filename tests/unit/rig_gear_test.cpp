@@ -36,15 +36,9 @@ std::string gantry_text(const std::string& more) {
                   {.rate_hz = 250, .more = bus_can0});
 }
 std::string lens_text(const std::string& more = lens) {
-  return rig_text({{.name = "focus",
-                    .unit = "m",
-                    .min = 0.5,
-                    .max = 5,
-                    .max_velocity = 10,
-                    .max_acceleration = 100,
-                    .more = more,
-                    .drive = cia402_text(1, 100)}},
-                  {.rate_hz = 250, .more = bus_can0});
+  return rig_text(
+      {axis_text("focus", "m", {0.5, 5}, {.velocity = 10, .acceleration = 100}, more, cia402_text(1, 100))},
+      {.rate_hz = 250, .more = bus_can0});
 }
 
 std::string move_of(const std::string& axis, const std::string& keys, int frames = 96) {

@@ -10,6 +10,7 @@
 #include "host_tools/rig/gpio_inputs.hpp"
 #include "host_tools/rig/rig_drives.hpp"
 #include "host_tools/rig/simulated_hardware.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace rig_inputs_test {
@@ -18,9 +19,17 @@ using testing::HasSubstr;
 
 constexpr std::int64_t tick_ns = 4'000'000;
 
-const std::string slider = R"(name = "slider"
-rate_hz = 250
-[emergency_stop]
+const std::string slider = rig_text(
+    {axis_text(
+         "slide", "mm", {0, 800}, {.velocity = 100, .acceleration = 200},
+         R"(home = { chip = "head", line = 23, direction = "negative", fast = 20, slow = 2, back_off = 5, at = -5 }
+limit_min = { chip = "head", line = 24 }
+limit_max = { chip = "head", line = 25, active = "low", bias = "pull-up" })",
+         R"(type = "step-dir", chip = "head", step = 17, dir = 27, steps_per_unit = 80)"),
+     axis_text("pan", "deg", {-90, 90}, {.velocity = 60, .acceleration = 120},
+               R"(limit_max = { chip = "head", line = 26 })",
+               R"(type = "step-dir", chip = "head", step = 18, dir = 28, steps_per_unit = 80)")},
+    {.name = "slider", .rate_hz = 250, .more = R"([emergency_stop]
 chip = "head"
 line = 5
 stops_at = "high"
@@ -32,27 +41,7 @@ active = "low"
 chip = "head"
 line = 13
 asks = { chip = "head", line = 16 }
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 800
-max_velocity = 100
-max_acceleration = 200
-drive = { type = "step-dir", chip = "head", step = 17, dir = 27, steps_per_unit = 80 }
-home = { chip = "head", line = 23, direction = "negative", fast = 20, slow = 2, back_off = 5, at = -5 }
-limit_min = { chip = "head", line = 24 }
-limit_max = { chip = "head", line = 25, active = "low", bias = "pull-up" }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 60
-max_acceleration = 120
-drive = { type = "step-dir", chip = "head", step = 18, dir = 28, steps_per_unit = 80 }
-limit_max = { chip = "head", line = 26 }
-)";
+)"});
 
 /// The lines that no axis has come first, in this order.
 enum class RigInput : std::uint8_t { emergency_stop, start_trigger, camera_asks };

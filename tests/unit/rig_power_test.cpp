@@ -13,6 +13,7 @@
 #include "host_tools/rig/simulated_hardware.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -23,21 +24,10 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 std::string rig_text(std::string_view axis_fields, std::string_view drive_fields = "") {
-  return fmt::format(R"(name = "crane"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "lift"
-unit = "mm"
-min = 0
-max = 500
-max_velocity = 100
-max_acceleration = 200
-{}
-drive = {{ type = "cia402", bus = "can0", node = 1, counts_per_unit = -1000{} }}
-)",
-                     axis_fields, drive_fields);
+  return inbetween::rig_text(
+      {axis_text("lift", "mm", {0, 500}, {.velocity = 100, .acceleration = 200}, std::string(axis_fields),
+                 cia402_text(1, -1000).append(drive_fields))},
+      {.name = "crane", .rate_hz = 250, .more = bus_can0});
 }
 
 constexpr std::string_view of_cia402 = R"(type = "cia402", bus = "can0", node = 1, counts_per_unit = -1000)";

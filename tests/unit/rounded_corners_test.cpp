@@ -239,14 +239,9 @@ TEST(RoundedPath, TheCoreRefusesWhatDoesNotGoTogether) {
   EXPECT_EQ(Path::make(good, {cubics, weights, std::span(knots).first(3)}).error().code, ErrorCode::capacity);
 }
 
-const std::string rig = rig_text({{.name = "pan",
-                                   .unit = "deg",
-                                   .min = -200,
-                                   .max = 200,
-                                   .max_velocity = 200,
-                                   .max_acceleration = 2000,
-                                   .more = "max_jerk = 40000"}},
-                                 {.rate_hz = 250});
+const std::string rig =
+    rig_text({axis_text("pan", "deg", {-200, 200}, {.velocity = 200, .acceleration = 2000, .jerk = 40000})},
+             {.rate_hz = 250});
 const std::string panned =
     "name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"pan\"]\nspline = \"linear\"\n" + three_keys;
 

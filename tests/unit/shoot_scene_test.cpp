@@ -19,13 +19,8 @@ namespace shoot_scene_test {
 using testing::HasSubstr;
 
 const std::string head_rig =
-    rig_text({{.name = "pan",
-               .unit = "deg",
-               .min = -90,
-               .max = 90,
-               .max_velocity = 100,
-               .max_acceleration = 1000,
-               .drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1000)"}},
+    rig_text({axis_text("pan", "deg", {-90, 90}, {.velocity = 100, .acceleration = 1000}, "",
+                        R"(type = "pipe", path = "/dev/null", counts_per_unit = 1000)")},
              {.name = "head"});
 const std::string turn = R"(name = "turn"
 fps = 24

@@ -333,14 +333,8 @@ TEST(Shooting, AnExposureWaitsUntilThePlayOfAGearIsTakenUpThereAndBack) {
 
 /// 120 degrees in two seconds on an axis that could do 3 in that time, with a corner on the way.
 AxisText slow_axis(const std::string& name) {
-  return {.name = name,
-          .unit = "deg",
-          .min = -90,
-          .max = 90,
-          .max_velocity = 1.5,
-          .max_acceleration = 3,
-          .more = "max_jerk = 30",
-          .drive = R"(type = "pipe", path = "/dev/null", counts_per_unit = 1e7)"};
+  return axis_text(name, "deg", {-90, 90}, {.velocity = 1.5, .acceleration = 3, .jerk = 30}, "",
+                   R"(type = "pipe", path = "/dev/null", counts_per_unit = 1e7)");
 }
 const std::string slow_rig = rig_text({slow_axis("pan"), slow_axis("tilt")}, {.rate_hz = 250});
 const std::string cornered = R"(name = "cornered"

@@ -26,12 +26,8 @@ using testing::Not;
 
 AxisText stepper(const std::string& name, const std::string& unit, double min, double max,
                  const std::string& lines) {
-  return {.name = name,
-          .unit = unit,
-          .min = min,
-          .max = max,
-          .more = "reference = \"operator\"\nunpowered = \"holds\"",
-          .drive = R"(type = "step-dir", chip = "gpio", )" + lines};
+  return axis_text(name, unit, {min, max}, {}, "reference = \"operator\"\nunpowered = \"holds\"",
+                   R"(type = "step-dir", chip = "gpio", )" + lines);
 }
 std::string slider() {
   std::vector<AxisText> axes{stepper("track", "mm", 0, 500, "step = 17, dir = 27, steps_per_unit = 40"),

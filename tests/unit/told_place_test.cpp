@@ -9,6 +9,7 @@
 
 #include "tests/support/bus_axis.hpp"
 #include "tests/support/refused_text.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -32,14 +33,8 @@ std::string drive_text<CubemarsKind>() {  // which counts few turns
 /// A shoulder that turns by more than its motor remembers.
 template <class Kind>
 std::string shoulder(const std::string& more = "") {
-  return rig_text({{.name = "shoulder",
-                    .unit = "deg",
-                    .min = -200,
-                    .max = 260,
-                    .max_velocity = 40,
-                    .max_acceleration = 400,
-                    .more = "unpowered = \"holds\"\n" + more,
-                    .drive = drive_text<Kind>()}},
+  return rig_text({axis_text("shoulder", "deg", {-200, 260}, {.velocity = 40, .acceleration = 400},
+                             "unpowered = \"holds\"\n" + more, drive_text<Kind>())},
                   {.rate_hz = 250, .more = DriveInRig<Kind>::bus()});
 }
 

@@ -158,11 +158,8 @@ TEST(Transit, IsDescribedForSomebodyWhoHasToAgree) {
 /// A drive of so many counts to a mm, at 1000 Hz and 400 mm/s^2: in a tick the acceleration covers 0.0004 mm.
 Plan quick_plan(int counts_per_mm) {
   const std::string rig = rig_text(
-      {{.name = "slide",
-        .min = 0,
-        .max = 1000,
-        .max_velocity = 200,
-        .drive = fmt::format(R"(type = "pipe", path = "/dev/null", counts_per_unit = {})", counts_per_mm)}},
+      {axis_text("slide", "mm", {0, 1000}, {.velocity = 200}, "",
+                 fmt::format(R"(type = "pipe", path = "/dev/null", counts_per_unit = {})", counts_per_mm))},
       {.rate_hz = 1000});
   const std::string move =
       "name = \"short\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"slide\"]\n"
