@@ -220,10 +220,14 @@ TEST(HeldJog, ADetentWhileAKeyIsHeldMovesNothing) {
   EXPECT_EQ(bench.path.back(), 150);
 }
 
-TEST(EventDevice, TellsEachDetentOfAWheelOnce) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+/// A pipe that speaks as the device does, and who reads it.
+struct EventDevice : testing::Test {
+  TemporaryFolder folder;
+  EventPipe pipe{folder.path() / "device"};
+  inbetween::EventDevice device{pipe.path()};
+};
+
+TEST_F(EventDevice, TellsEachDetentOfAWheelOnce) {
   pipe.tell(EV_REL, REL_DIAL, 1);
   pipe.tell(EV_REL, REL_WHEEL, -1);
   EXPECT_THAT(device.events(), ElementsAre(HandEvent::detent_forward, HandEvent::detent_backward));
@@ -233,10 +237,7 @@ TEST(EventDevice, TellsEachDetentOfAWheelOnce) {
   EXPECT_EQ(device.events().size(), 2U) << "and no more than it takes to know that there were several";
 }
 
-TEST(EventDevice, AWheelOfHighResolutionHas120UnitsInADetentAndBeginsAnewTheOtherWay) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+TEST_F(EventDevice, AWheelOfHighResolutionHas120UnitsInADetentAndBeginsAnewTheOtherWay) {
   for (int i = 0; i < 3; ++i) pipe.tell(EV_REL, REL_WHEEL_HI_RES, 30);
   EXPECT_THAT(device.events(), IsEmpty());
   pipe.tell(EV_REL, REL_WHEEL_HI_RES, 30);
@@ -248,10 +249,7 @@ TEST(EventDevice, AWheelOfHighResolutionHas120UnitsInADetentAndBeginsAnewTheOthe
   EXPECT_THAT(device.events(), ElementsAre(HandEvent::detent_backward));
 }
 
-TEST(EventDevice, ItsOtherKeysTypeWhatATerminalWouldAndCtrlCLeaves) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+TEST_F(EventDevice, ItsOtherKeysTypeWhatATerminalWouldAndCtrlCLeaves) {
   for (const std::uint16_t code :
        std::initializer_list<std::uint16_t>{KEY_UP, KEY_3, KEY_F1, KEY_ENTER, KEY_ESC}) {
     pipe.key(code, 1);
@@ -266,18 +264,12 @@ TEST(EventDevice, ItsOtherKeysTypeWhatATerminalWouldAndCtrlCLeaves) {
   EXPECT_EQ(device.typed(), "q");
 }
 
-TEST(EventDevice, WhatFollowsLostEventsInTheirReportDoesNotCount) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+TEST_F(EventDevice, WhatFollowsLostEventsInTheirReportDoesNotCount) {
   pipe.report({{EV_SYN, SYN_DROPPED, 0}, {EV_KEY, KEY_RIGHT, 1}, {EV_REL, REL_DIAL, 1}});
   EXPECT_THAT(device.events(), IsEmpty());
 }
 
-TEST(EventDevice, TellsAKeyThatIsPressedAndLetGoAndNoRepeat) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+TEST_F(EventDevice, TellsAKeyThatIsPressedAndLetGoAndNoRepeat) {
   EXPECT_THAT(device.events(), IsEmpty());
   pipe.key(KEY_RIGHT, 1);
   pipe.key(KEY_RIGHT, 2);
@@ -289,10 +281,7 @@ TEST(EventDevice, TellsAKeyThatIsPressedAndLetGoAndNoRepeat) {
               ElementsAre(HandEvent::forward, HandEvent::let_go, HandEvent::backward, HandEvent::let_go));
 }
 
-TEST(EventDevice, ASecondKeyEndsItUntilAllAreLetGo) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+TEST_F(EventDevice, ASecondKeyEndsItUntilAllAreLetGo) {
   pipe.key(KEY_RIGHT, 1);
   pipe.key(KEY_LEFT, 1);
   pipe.key(KEY_RIGHT, 0);
@@ -303,30 +292,26 @@ TEST(EventDevice, ASecondKeyEndsItUntilAllAreLetGo) {
   EXPECT_THAT(device.events(), ElementsAre(HandEvent::backward));
 }
 
-TEST(EventDevice, EventsThatWereLostEndIt) {
-  const TemporaryFolder folder;
-  EventPipe pipe(folder.path() / "device");
-  EventDevice device(pipe.path());
+TEST_F(EventDevice, EventsThatWereLostEndIt) {
   pipe.key(KEY_RIGHT, 1);
   pipe.tell(EV_SYN, SYN_DROPPED, 0);
   pipe.key(KEY_RIGHT, 2);
   EXPECT_THAT(device.events(), ElementsAre(HandEvent::forward, HandEvent::let_go));
 }
 
-TEST(EventDevice, ThatGoesAwayOrTellsHalfAnEventHoldsNothing) {
-  const TemporaryFolder folder;
+TEST_F(EventDevice, ThatGoesAwayOrTellsHalfAnEventHoldsNothing) {
   for (const bool is_torn : {false, true}) {
-    EventPipe pipe(folder.path() / (is_torn ? "torn" : "gone"));
-    EventDevice device(pipe.path());
-    pipe.key(KEY_RIGHT, 1);
-    EXPECT_THAT(device.events(), ElementsAre(HandEvent::forward));
+    EventPipe failing(folder.path() / (is_torn ? "torn" : "gone"));
+    inbetween::EventDevice of_it(failing.path());
+    failing.key(KEY_RIGHT, 1);
+    EXPECT_THAT(of_it.events(), ElementsAre(HandEvent::forward));
     if (is_torn) {
-      pipe.write("torn", 4);
+      failing.write("torn", 4);
     } else {
-      pipe.unplug();
+      failing.unplug();
     }
-    EXPECT_THAT(device.events(), ElementsAre(HandEvent::let_go));
-    EXPECT_TRUE(device.is_gone());
+    EXPECT_THAT(of_it.events(), ElementsAre(HandEvent::let_go));
+    EXPECT_TRUE(of_it.is_gone());
   }
 }
 
