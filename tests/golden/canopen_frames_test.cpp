@@ -2,9 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <variant>
@@ -17,28 +15,10 @@
 #include "inbetween/can/sdo.hpp"
 #include "inbetween/can/sync.hpp"
 #include "tests/support/drive_frames.hpp"
-#include "tests/support/places.hpp"
+#include "tests/support/golden_frames.hpp"
 
 namespace inbetween::can {
 namespace canopen_frames_test {
-
-Frame frame_of(const nlohmann::json& entry) {
-  const std::string bytes = entry.at("data_hex");
-  Frame frame{.id = FrameId::standard(
-                  static_cast<std::uint32_t>(std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16))),
-              .length = static_cast<std::uint8_t>(bytes.size() / 2)};
-  for (std::size_t i = 0; i < frame.length; ++i) {
-    frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
-  }
-  return frame;
-}
-
-std::map<std::string, Frame> golden_frames() {
-  std::ifstream file(in_checkout("tests/golden/canopen_frames.json"));
-  std::map<std::string, Frame> frames;
-  for (const nlohmann::json& entry : nlohmann::json::parse(file)) frames[entry.at("name")] = frame_of(entry);
-  return frames;
-}
 
 NodeId node(int number) {
   return NodeId::make(number).value();
@@ -182,7 +162,7 @@ void expect_read(const Frame& frame, const Meaning& meaning) {
 
 TEST(CanopenFrames, EachIsWrittenByteForByte) {
   const std::map<std::string, Meaning> known = meanings();
-  for (const auto& [name, frame] : golden_frames()) {
+  for (const auto& [name, frame] : golden_frames("canopen_frames.json")) {
     SCOPED_TRACE(name);
     ASSERT_TRUE(known.contains(name));
     EXPECT_TRUE(write_frame(known.at(name)) == frame);
@@ -190,7 +170,7 @@ TEST(CanopenFrames, EachIsWrittenByteForByte) {
 }
 
 TEST(CanopenFrames, EachIsUnderstood) {
-  const std::map<std::string, Frame> frames = golden_frames();
+  const std::map<std::string, Frame> frames = golden_frames("canopen_frames.json");
   const std::map<std::string, Meaning> known = meanings();
   EXPECT_EQ(frames.size(), known.size());
   for (const auto& [name, meaning] : known) {
@@ -214,7 +194,7 @@ TEST(CanopenFrames, NoneIsUnderstoodWithAByteLessOrMoreOrAsAnotherKindOfFrame) {
                    [&](const DriveFeedback&) { return read_feedback(frame, node(5)).has_value(); }},
         meaning);
   };
-  for (const auto& [name, frame] : golden_frames()) {
+  for (const auto& [name, frame] : golden_frames("canopen_frames.json")) {
     SCOPED_TRACE(name);
     const Meaning& meaning = known.at(name);
     EXPECT_TRUE(is_read(frame, meaning));

@@ -5,43 +5,21 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "inbetween/can/moteus.hpp"
 #include "inbetween/can/moteus_register.hpp"
-#include "tests/support/places.hpp"
+#include "tests/support/golden_frames.hpp"
 
 namespace inbetween::can {
 namespace moteus_frames_test {
 
 const MoteusNode node = *MoteusNode::make(1);
 
-FdFrame frame_of(const nlohmann::json& entry) {
-  const std::string bytes = entry.at("data_hex");
-  FdFrame frame{.id = *FrameId::make(static_cast<std::uint32_t>(
-                                         std::stoul(entry.at("id_hex").get<std::string>(), nullptr, 16)),
-                                     entry.at("extended")),
-                .is_classic = !entry.at("fd"),
-                .length = static_cast<std::uint8_t>(bytes.size() / 2)};
-  for (std::size_t i = 0; i < frame.length; ++i) {
-    frame.data.at(i) = static_cast<std::uint8_t>(std::stoul(bytes.substr(2 * i, 2), nullptr, 16));
-  }
-  return frame;
-}
-
-std::map<std::string, FdFrame> golden_frames() {
-  std::ifstream file(in_checkout("tests/golden/moteus_frames.json"));
-  std::map<std::string, FdFrame> frames;
-  for (const nlohmann::json& entry : nlohmann::json::parse(file)) frames[entry.at("name")] = frame_of(entry);
-  return frames;
-}
-
 TEST(MoteusFrames, WhatTheHostSendsIsByteForByteAsItShallBe) {
-  const auto golden = golden_frames();
+  const auto golden = golden_frames<FdFrame>("moteus_frames.json");
   EXPECT_EQ(moteus_stop_frame(node), golden.at("stop_noreply"));
   EXPECT_EQ(moteus_question(node), golden.at("query_default"));
   EXPECT_EQ(moteus_command_frame(node, {.turns = 1, .turns_per_s = 2}), golden.at("position_1rev_2hz_query"));
@@ -51,9 +29,11 @@ TEST(MoteusFrames, WhatTheHostSendsIsByteForByteAsItShallBe) {
 
 TEST(MoteusFrames, WhatTheProtocolClassSendsInMotionIsThePublishedFrame) {
   const Moteus moteus({.node = node, .watchdog_s = 0.05});
-  EXPECT_EQ(moteus.command({.turns = 0.25}), golden_frames().at("position_wd_query"));
-  EXPECT_EQ(moteus.question(), golden_frames().at("query_default"));
-  EXPECT_EQ(moteus.order(ServoOrder::switch_off), golden_frames().at("stop_noreply"));
+  EXPECT_EQ(moteus.command({.turns = 0.25}),
+            golden_frames<FdFrame>("moteus_frames.json").at("position_wd_query"));
+  EXPECT_EQ(moteus.question(), golden_frames<FdFrame>("moteus_frames.json").at("query_default"));
+  EXPECT_EQ(moteus.order(ServoOrder::switch_off),
+            golden_frames<FdFrame>("moteus_frames.json").at("stop_noreply"));
 }
 
 TEST(MoteusFrames, IntegersCountInTheStepsOfTheirRegister) {
@@ -62,11 +42,11 @@ TEST(MoteusFrames, IntegersCountInTheStepsOfTheirRegister) {
   writer.write(MoteusRegister::mode, MoteusType::int8, std::array{10.0});
   writer.write(MoteusRegister::command_position, MoteusType::int32, std::array{0.25, 0.0});
   ASSERT_TRUE(writer.finish());
-  EXPECT_EQ(frame, golden_frames().at("position_int32"));
+  EXPECT_EQ(frame, golden_frames<FdFrame>("moteus_frames.json").at("position_int32"));
 }
 
 TEST(MoteusFrames, WhatADriveTellsIsReadAndWrittenAgain) {
-  const auto golden = golden_frames();
+  const auto golden = golden_frames<FdFrame>("moteus_frames.json");
   const ServoReport report = Moteus({.node = node}).read(golden.at("reply_default"));
   ASSERT_TRUE(report.place && report.status);
   EXPECT_EQ(report.place->turns, 0.25);
@@ -89,7 +69,7 @@ TEST(MoteusFrames, WhatADriveTellsIsReadAndWrittenAgain) {
 }
 
 TEST(MoteusFrames, ThePublishedExampleOf16BitRegistersIsWrittenAndRead) {
-  const auto golden = golden_frames();
+  const auto golden = golden_frames<FdFrame>("moteus_frames.json");
   FdFrame frame{.id = FrameId::extended(0x8001)};
   MoteusWriter writer(frame);
   writer.write(MoteusRegister::mode, MoteusType::int8, std::array{10.0});
