@@ -17,36 +17,17 @@
 #include <vector>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace can_ending_test {
 
-constexpr std::string_view rig = R"(name = "two"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = -10
-max = 200
-max_velocity = 200
-max_acceleration = 800
-unpowered = "holds"
-reference = "drive"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "pan"
-unit = "deg"
-min = -90
-max = 90
-max_velocity = 100
-max_acceleration = 400
-unpowered = "holds"
-reference = "drive"
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+const std::string rig = rig_text({axis_text("slide", "mm", {-10, 200}, {.velocity = 200, .acceleration = 800},
+                                            "unpowered = \"holds\"\nreference = \"drive\"", cia402_text(1)),
+                                  axis_text("pan", "deg", {-90, 90}, {.velocity = 100, .acceleration = 400},
+                                            "unpowered = \"holds\"\nreference = \"drive\"", cia402_text(2))},
+                                 {.name = "two", .rate_hz = 250, .more = bus_can0});
 constexpr std::string_view move = R"(name = "nod"
 fps = 24
 frames = 36

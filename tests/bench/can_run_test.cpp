@@ -11,6 +11,7 @@
 
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -139,21 +140,11 @@ TEST(CanRun, AnAxisOutsideItsLimitsIsHeldThereAndComesIn) {
 /// `home` of a slide that its drive homes, 60 mm from its home, with `during` beside it. The drives print
 /// what became of them.
 ProgramRun homed_by_drive(const std::string& during) {
-  const std::string rig = R"(name = "table"
-rate_hz = 250
-[bus.can0]
-bitrate = 1_000_000
-[[axis]]
-name = "slide"
-unit = "mm"
-min = 0
-max = 300
-max_velocity = 100
-max_acceleration = 400
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-home = { by = "drive", method = 17, fast = 20, slow = 5, acceleration = 200, at = 10 }
-)";
+  const std::string rig = rig_text(
+      {axis_text("slide", "mm", {0, 300}, {.velocity = 100, .acceleration = 400}, R"(unpowered = "holds"
+home = { by = "drive", method = 17, fast = 20, slow = 5, acceleration = 200, at = 10 })",
+                 cia402_text(1))},
+      {.name = "table", .rate_hz = 250, .more = bus_can0});
   const TemporaryFile file("table.toml", rig);
   // The bench shares the files of this machine: what a scene writes is in a folder of its own.
   const std::string folder = file.path().parent_path().string();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/support/bench.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -19,25 +20,11 @@ namespace device_scene_test {
 using testing::HasSubstr;
 
 // 20 counts a degree, from 1300 to 2700. Jog takes a tenth of the speed: 20 deg/s; a stop takes all of it.
-const std::string rig = R"(name = "jaw"
-rate_hz = 250
-[[axis]]
-name = "jaw"
-unit = "deg"
-min = -10
-max = 60
-max_velocity = 200
-max_acceleration = 2000
-unpowered = "holds"
-[axis.drive]
-type = "pipe"
-path = "servos"
-counts_per_unit = 20
-count_at_zero = 1500
-min_count = 1300
-max_count = 2700
-no_watchdog = "accepted"
-)";
+const std::string rig = rig_text(
+    {axis_text("jaw", "deg", {-10, 60}, {.velocity = 200, .acceleration = 2000}, R"(unpowered = "holds")",
+               R"(type = "pipe", path = "servos", counts_per_unit = 20, count_at_zero = 1500, )"
+               R"(min_count = 1300, max_count = 2700, no_watchdog = "accepted")")},
+    {.name = "jaw", .rate_hz = 250});
 constexpr int ticks_per_s = 250;
 /// A look at the device, the delay to the loop, and 20 deg/s at 2000 deg/s^2, which is 10 ms.
 constexpr int ticks_to_rest = 8;

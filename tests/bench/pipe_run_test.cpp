@@ -10,6 +10,7 @@
 
 #include "tests/support/bench.hpp"
 #include "tests/support/bus_scene.hpp"
+#include "tests/support/rig_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
@@ -17,25 +18,11 @@ namespace pipe_run_test {
 
 using testing::HasSubstr;
 
-const std::string rig = R"(name = "jaw"
-rate_hz = 250
-[[axis]]
-name = "jaw"
-unit = "deg"
-min = -10
-max = 60
-max_velocity = 200
-max_acceleration = 2000
-unpowered = "holds"
-[axis.drive]
-type = "pipe"
-path = "servos"
-counts_per_unit = 11.11
-count_at_zero = 1500
-min_count = 1300
-max_count = 2200
-no_watchdog = "accepted"
-)";
+const std::string rig = rig_text(
+    {axis_text("jaw", "deg", {-10, 60}, {.velocity = 200, .acceleration = 2000}, R"(unpowered = "holds")",
+               R"(type = "pipe", path = "servos", counts_per_unit = 11.11, count_at_zero = 1500, )"
+               R"(min_count = 1300, max_count = 2200, no_watchdog = "accepted")")},
+    {.name = "jaw", .rate_hz = 250});
 const std::string move = R"(name = "bite"
 fps = 24
 frames = 48

@@ -41,11 +41,8 @@ struct Limits {
 std::string rig_of(const std::vector<Limits>& limits) {
   std::vector<AxisText> axes;
   for (const Limits& one : limits) {
-    axes.push_back({.name = fmt::format("a{}", axes.size()),
-                    .min = -1e6,
-                    .max = 1e6,
-                    .max_velocity = one.velocity,
-                    .max_acceleration = one.acceleration});
+    axes.push_back(axis_text(fmt::format("a{}", axes.size()), "mm", {-1e6, 1e6},
+                             {.velocity = one.velocity, .acceleration = one.acceleration}));
     if (one.jerk) axes.back().more += fmt::format("max_jerk = {}\n", *one.jerk);
     if (one.step) axes.back().more += fmt::format("max_acceleration_step = {}\n", *one.step);
   }
