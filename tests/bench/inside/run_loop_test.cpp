@@ -25,6 +25,7 @@
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
 #include "tests/bench/inside/allowed_calls.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace run_loop_test {
@@ -39,29 +40,11 @@ speed = [0, 0, 10, 10, 0, 0]
 )";
 
 // Slow enough for drives that are a process of a machine with other work to hear every SYNC in time.
-const std::string bench = R"(name = "bench"
-rate_hz = 25
-[bus.can0]
-bitrate = 1000000
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 100
-max_acceleration = 1000
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = 1000 }
-[[axis]]
-name = "y"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 100
-max_acceleration = 1000
-unpowered = "holds"
-drive = { type = "cia402", bus = "can0", node = 2, counts_per_unit = 1000 }
-)";
+const std::string bench = rig_text({axis_text("x", "mm", {-1, 60}, {.velocity = 100, .acceleration = 1000},
+                                              R"(unpowered = "holds")", cia402_text(1)),
+                                    axis_text("y", "mm", {-1, 60}, {.velocity = 100, .acceleration = 1000},
+                                              R"(unpowered = "holds")", cia402_text(2))},
+                                   {.name = "bench", .rate_hz = 25, .more = bus_can0});
 
 /// The drives of the rig, for as long as this lives. They have power when it is made.
 class DrivesProcess {

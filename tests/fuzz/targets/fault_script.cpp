@@ -8,34 +8,18 @@
 #include <variant>
 
 #include "tests/fuzz/targets/refusal.hpp"
+#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace {
 
 /// An axis called "x", which can have faults, and one called "y", which cannot.
 const RigFile& rig() {
-  static const RigFile parsed = parse_rig(R"(name = "r"
-rate_hz = 100
-[bus.can0]
-bitrate = 500000
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 1
-max_velocity = 1
-max_acceleration = 1
-drive = { type = "cia402", bus = "can0", node = 1, counts_per_unit = -1e5 }
-[[axis]]
-name = "y"
-unit = "mm"
-min = 0
-max = 1
-max_velocity = 1
-max_acceleration = 1
-drive = { type = "pipe", path = "p", counts_per_unit = 1 }
-)",
-                                          "rig.toml");
+  static const RigFile parsed = parse_rig(
+      rig_text({axis_text("x", "mm", {-1, 1}, {.velocity = 1, .acceleration = 1}, "", cia402_text(1, -1e5)),
+                axis_text("y", "mm", {0, 1}, {.velocity = 1, .acceleration = 1})},
+               {.name = "r", .more = "[bus.can0]\nbitrate = 500000\n"}),
+      "rig.toml");
   return parsed;
 }
 
