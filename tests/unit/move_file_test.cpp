@@ -217,7 +217,8 @@ TEST(MoveFile, AMissingFileIsNamed) {
 
 TEST(MoveFile, ADirectoryIsNotAFile) {
   const TemporaryFolder folder;
-  EXPECT_THAT(error_of_file(folder.path()), HasSubstr("is a directory; name the file"));
+  EXPECT_EQ(error_of_file(folder.path()),
+            folder.path().string() + ": error: is a directory; name the file in it");
 }
 
 TEST(MoveFile, AnUnreadableFileSaysWhy) {
