@@ -403,7 +403,7 @@ TEST(Plot, AHundredThousandFramesWithNoiseStaySmallAndOnThePage) {
 
 struct Degenerate {
   const char* name;
-  PlotMove (*move)();
+  PlotMove move;
 };
 
 std::ostream& operator<<(std::ostream& out, const Degenerate& degenerate) {
@@ -498,7 +498,7 @@ class DegeneratePlot : public ::testing::TestWithParam<Degenerate> {};
 
 TEST_P(DegeneratePlot, IsDrawnInEveryFormatAndNothingLeavesThePage) {
   const TemporaryFolder folder;
-  const PlotMove move = GetParam().move();
+  const PlotMove& move = GetParam().move;
   draw_plot(move, folder.path() / "move.png");
   draw_plot(move, folder.path() / "move.pdf");
   const std::string svg = svg_of(move);
@@ -508,39 +508,20 @@ TEST_P(DegeneratePlot, IsDrawnInEveryFormatAndNothingLeavesThePage) {
 
 INSTANTIATE_TEST_SUITE_P(
     Moves, DegeneratePlot,
-    ::testing::Values(Degenerate{"OneKey", one_key},
-                      Degenerate{"OneFrame",
-                                 [] {
-                                   return straight_move(1, {3, 4});
-                                 }},
-                      Degenerate{"ZeroLengthRuler", [] { return straight_move(24, {0}); }},
-                      Degenerate{"ZeroLengthPlane",
-                                 [] {
-                                   return straight_move(24, {0, 0});
-                                 }},
-                      Degenerate{"FirstAxisStands",
-                                 [] {
-                                   return straight_move(24, {0, 5, 7});
-                                 }},
-                      Degenerate{"OnlyTheThirdAxisMoves",
-                                 [] {
-                                   return straight_move(24, {0, 0, 7});
-                                 }},
-                      Degenerate{"OneAxisIsAThousandTimesTheOther",
-                                 [] {
-                                   return straight_move(24, {5000, 5});
-                                 }},
-                      Degenerate{"SixtyFourAxesInOneTrack", [] { return sixty_four_axes(true); }},
-                      Degenerate{"SixtyFourTracks", [] { return sixty_four_axes(false); }},
-                      Degenerate{"AllKeysInOnePlace", all_keys_in_one_place},
-                      Degenerate{"ClosedPath", closed_path}, Degenerate{"TimedByFrames", timed_by_frames},
-                      Degenerate{"AtRestThroughout", at_rest_throughout},
-                      Degenerate{"LimitsFarAway", limits_far_away}, Degenerate{"LongNames", long_names},
-                      Degenerate{"NoTracks", no_tracks}, Degenerate{"OffsetAndTiny", offset_and_tiny},
-                      Degenerate{"Enormous",
-                                 [] {
-                                   return straight_move(24, {1e299, -1e299});
-                                 }}),
+    ::testing::Values(Degenerate{"OneKey", one_key()}, Degenerate{"OneFrame", straight_move(1, {3, 4})},
+                      Degenerate{"ZeroLengthRuler", straight_move(24, {0})},
+                      Degenerate{"ZeroLengthPlane", straight_move(24, {0, 0})},
+                      Degenerate{"FirstAxisStands", straight_move(24, {0, 5, 7})},
+                      Degenerate{"OnlyTheThirdAxisMoves", straight_move(24, {0, 0, 7})},
+                      Degenerate{"OneAxisIsAThousandTimesTheOther", straight_move(24, {5000, 5})},
+                      Degenerate{"SixtyFourAxesInOneTrack", sixty_four_axes(true)},
+                      Degenerate{"SixtyFourTracks", sixty_four_axes(false)},
+                      Degenerate{"AllKeysInOnePlace", all_keys_in_one_place()},
+                      Degenerate{"ClosedPath", closed_path()}, Degenerate{"TimedByFrames", timed_by_frames()},
+                      Degenerate{"AtRestThroughout", at_rest_throughout()},
+                      Degenerate{"LimitsFarAway", limits_far_away()}, Degenerate{"LongNames", long_names()},
+                      Degenerate{"NoTracks", no_tracks()}, Degenerate{"OffsetAndTiny", offset_and_tiny()},
+                      Degenerate{"Enormous", straight_move(24, {1e299, -1e299})}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
 // --- numbers at the axes ---
