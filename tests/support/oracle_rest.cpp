@@ -58,19 +58,10 @@ RestingMotion::RestingMotion(const Keys& keys, const std::vector<double>& contro
       frames_(frames),
       spans_per_second_(static_cast<long double>(profile_.spans()) / static_cast<long double>(frames) *
                         frames_per_second),
+      met_(std::move(met)),
       best_(keys.at.front().size()) {
   distance_.push_back(0);
   for (int i = 0; i < path_.segments(); ++i) distance_.push_back(distance_.back() + path_.length(i, 0, 1));
-  meet(std::move(met));
-}
-
-void RestingMotion::meet(std::vector<MetKey> met) {
-  met_ = std::move(met);
-  const auto last = static_cast<long double>(profile_.spans());
-  for (const MetKey& each : met_) {
-    const long double share = profile_.integral(each.alpha) / profile_.integral(last);
-    largest_miss_ = std::max(largest_miss_, std::fabs(share - distance_at(each) / distance_.back()));
-  }
 }
 
 long double RestingMotion::distance_at(const MetKey& place) const {

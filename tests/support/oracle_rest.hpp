@@ -3,6 +3,7 @@
 // product, and takes its derivatives by the parameter of the path, not by distance.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "tests/support/oracle_path.hpp"
@@ -40,9 +41,6 @@ class RestingMotion {
   RestingMotion(const Keys& keys, const std::vector<double>& control_values, int frames,
                 long double frames_per_second, std::vector<MetKey> met);
 
-  /// The distance, as a share of the length, by which the curve with one K for all would miss a key that is
-  /// met at rest.
-  long double largest_miss() const { return largest_miss_; }
   /// Whether the path stands still somewhere (to 1e-12 of its speed) while the curve does not: there an axis
   /// may need an acceleration without bound, and the search stays a hundredth of the way away from it.
   bool passes_standstill() const { return passes_standstill_; }
@@ -56,7 +54,7 @@ class RestingMotion {
   /// The places inside segments where the path stands still, to 1e-12 of its speed: {segment, _, t}.
   std::vector<MetKey> standstills() const;
   /// Tells what is met only after the motion was made, from what it says of the path.
-  void meet(std::vector<MetKey> met);
+  void meet(std::vector<MetKey> met) { met_ = std::move(met); }
 
  private:
   struct Slope {
@@ -93,7 +91,6 @@ class RestingMotion {
   std::vector<MetKey> met_;
   std::vector<long double> distance_;  ///< of every key
   std::vector<RestPeaks> best_;
-  long double largest_miss_ = 0;
   bool passes_standstill_ = false;
 };
 
