@@ -12,16 +12,18 @@ import { edit, eventually, pick, startBrowser, stopBrowser, until, value, writte
 before(startBrowser);
 after(stopBrowser);
 
-/** The editor on an example, without Autosave unless a test wants it. */
-async function reveal({ autosave = false } = {}) {
-  const editor = await edit("reveal.toml", "camera_rig.toml");
-  if (!autosave) await editor.page.locator("#autosave").uncheck();
-  return {
-    ...editor,
-    first: editor.read(),
-    beside: (name) => readFileSync(join(editor.folder, `reveal.${name}.toml`), "utf8"),
-  };
-}
+/** Makes tests that open the editor on an example, with Autosave or without. */
+const testWith = (autosave) => (name, act) =>
+  test(name, async () => {
+    const editor = await edit("reveal.toml", "camera_rig.toml");
+    if (!autosave) await editor.page.locator("#autosave").uncheck();
+    const first = editor.read();
+    const beside = (version) => readFileSync(join(editor.folder, `reveal.${version}.toml`), "utf8");
+    await act(Object.assign(editor, { first, beside }), editor.page);
+    await editor.end();
+  });
+const withReveal = testWith(false);
+const withAutosave = testWith(true);
 
 /** A control value up by a step, as a person does it. */
 async function raise(page, i) {
@@ -45,6 +47,10 @@ async function loadAgain(page) {
   await page.reload();
   await page.waitForSelector("#frames");
 }
+async function answer(page, choice) {
+  await page.waitForSelector("dialog[open]");
+  await page.locator(`#${choice}`).click();
+}
 const noticed = (page, id, words) =>
   until(page, ([notice, text]) => document.getElementById(notice)?.textContent.includes(text), [`notice-${id}`, words]);
 async function downloaded(page, button) {
@@ -54,9 +60,7 @@ async function downloaded(page, button) {
 const limitFiles = (editor, bytes) =>
   execFileSync("prlimit", ["--pid", String(editor.pid), `--fsize=${bytes}:unlimited`]);
 
-test("the hundredth save is as good as the first", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("the hundredth save is as good as the first", async (editor, page) => {
   await pick(page, value(page, 4));
   let last = editor.first;
   for (let i = 0; i < 100; ++i) {
@@ -66,54 +70,43 @@ test("the hundredth save is as good as the first", async () => {
     await editor.saved();
     last = editor.read();
   }
-  await editor.end();
 });
 
-test("what was saved and then changed outside is kept when the file is loaded, and undo goes back to it", async () => {
-  const editor = await reveal({ autosave: true });
-  const { page } = editor;
+withAutosave("what was saved, then changed outside, is kept when the file is loaded", async (editor, page) => {
   await raise(page, 4);
   await written(() => editor.read() !== editor.first);
   await editor.saved();
   const mine = editor.read();
   const shape = await move(page);
   writeFileSync(editor.path, `# from elsewhere\n${editor.first}`);
-  await page.waitForSelector("dialog[open]");
-  await page.locator("#load-theirs").click();
+  await answer(page, "load-theirs");
   await until(page, () => document.getElementById("said").textContent.startsWith("Loaded"));
   assert.equal(editor.beside("mine-1"), mine);
   await page.keyboard.press("Control+z");
   await eventually(async () => (await move(page)) === shape, "the move is as it was"); // and saved so
   await written(() => editor.read() === mine);
-  await editor.end();
 });
 
-test("Save mine in a second tab keeps what the first has saved", async () => {
-  const editor = await reveal();
+withReveal("Save mine in a second tab keeps what the first has saved", async (editor) => {
   const second = await another(editor);
   await raise(editor.page, 4);
   await editor.page.keyboard.press("Control+s");
   await editor.saved();
   const saved = editor.read();
   await second.bringToFront();
-  await second.waitForSelector("dialog[open]");
-  await second.locator("#decide-later").click();
+  await answer(second, "decide-later");
   await raise(second, 5);
   await second.keyboard.press("Control+s");
   await second.locator("#save-mine").click();
   await written(() => editor.read() !== saved);
   assert.equal(editor.beside("outside-1"), saved);
-  await editor.end();
 });
 
-test("an outside version that is no move is kept, also when it could not be loaded first", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("an outside version that is no move is kept, also when it could not be loaded", async (editor, page) => {
   await raise(page, 4);
   const broken = "frames = = 7\n";
   writeFileSync(editor.path, broken);
-  await page.waitForSelector("dialog[open]");
-  await page.locator("#load-theirs").click();
+  await answer(page, "load-theirs");
   await noticed(page, "save", "Not loaded: reveal.toml:1");
   assert.equal(editor.read(), broken);
   await page.keyboard.press("Control+s");
@@ -128,24 +121,18 @@ test("an outside version that is no move is kept, also when it could not be load
   await page.locator("#save-mine").click();
   await editor.saved();
   assert.notEqual(editor.read(), broken);
-  await editor.end();
 });
 
-test("a file that is gone is said, and written anew", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("a file that is gone is said, and written anew", async (editor, page) => {
   await raise(page, 4);
   rmSync(editor.path);
   await until(page, () => document.getElementById("dialog").textContent.includes("reveal.toml is gone"));
   await page.locator("#save-mine").click();
   await editor.saved();
   assert.equal(editor.plan().tracks.length, 1);
-  await editor.end();
 });
 
-test("what cannot be solved is not saved; it stays on the page and can be downloaded", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("what cannot be solved is not saved; it stays on the page and can be downloaded", async (editor, page) => {
   await page.evaluate(() => {
     const { store } = window.inbetween;
     const [track] = store.move.tracks;
@@ -165,12 +152,9 @@ test("what cannot be solved is not saved; it stays on the page and can be downlo
   await page.keyboard.press("Control+s");
   await editor.saved();
   assert.equal(editor.read(), editor.first);
-  await editor.end();
 });
 
-test("edits that were not saved come back with the page, with every step of undo and redo", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("edits that were not saved come back with every step of undo and redo", async (editor, page) => {
   const shapes = [await move(page)];
   for (const i of [4, 5, 3]) {
     await raise(page, i);
@@ -207,11 +191,9 @@ test("edits that were not saved come back with the page, with every step of undo
   const both = [await another(editor), await another(editor)];
   assert.deepEqual(new Set(await Promise.all(both.map(move))), new Set([shapes[3], ofThird]));
   await noticed(both[0], "others", "1 more tab");
-  await editor.end();
 });
 
-test("a draft whose file has been changed meanwhile is asked about like every outside change", async () => {
-  const editor = await reveal();
+withReveal("a draft whose file was changed meanwhile is asked about like every outside change", async (editor) => {
   await raise(editor.page, 4);
   const mine = await move(editor.page);
   await editor.page.close();
@@ -230,12 +212,9 @@ test("a draft whose file has been changed meanwhile is asked about like every ou
   assert.equal(await page.locator("#saved").textContent(), "saved");
   for (let i = 0; i < 2; ++i) await page.keyboard.press("Control+z");
   assert.equal(await move(page), mine);
-  await editor.end();
 });
 
-test("when the program is killed the page says so, gives the move, goes on, and finds the program again", async () => {
-  const editor = await reveal({ autosave: true });
-  const { page } = editor;
+withAutosave("when the program is killed the page says so, gives the move, goes on, finds it", async (editor, page) => {
   await editor.kill();
   await raise(page, 4);
   await noticed(page, "away", "The program has ended. You can go on");
@@ -257,11 +236,9 @@ test("when the program is killed the page says so, gives the move, goes on, and 
   const planned = editor.planned();
   writeFileSync(editor.path, text);
   assert.equal(editor.planned(), planned, "what was downloaded is the move");
-  await editor.end();
 });
 
-test("a port that another program has taken is named, and another is used", async () => {
-  const editor = await reveal();
+withReveal("a port that another program has taken is named, and another is used", async (editor) => {
   const port = Number(new URL(editor.address).port);
   await editor.kill();
   const other = createServer((request, response) =>
@@ -278,12 +255,9 @@ test("a port that another program has taken is named, and another is used", asyn
   await editor.kill();
   assert.equal(await editor.launch(), editor.address);
   await assert.rejects(editor.launch(), /another inbetween edit has it open/);
-  await editor.end();
 });
 
-test("a full disk is said in a line, the file stays whole, and the edits stay on the page", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("a full disk is said in a line, the file stays whole, the edits stay on the page", async (editor, page) => {
   await raise(page, 4);
   limitFiles(editor, 100);
   await page.keyboard.press("Control+s");
@@ -293,8 +267,7 @@ test("a full disk is said in a line, the file stays whole, and the edits stay on
   await editor.picture("full_disk");
   const outside = `# from elsewhere\n${editor.first}`;
   writeFileSync(editor.path, outside);
-  await page.waitForSelector("dialog[open]");
-  await page.locator("#save-mine").click();
+  await answer(page, "save-mine");
   await noticed(page, "save", "Not saved: reveal.outside-1.toml.inbetween-part could not be written completely");
   assert.equal(editor.read(), outside, "nothing is replaced that could not be kept");
   limitFiles(editor, "unlimited");
@@ -302,12 +275,9 @@ test("a full disk is said in a line, the file stays whole, and the edits stay on
   await page.locator("#save-mine").click();
   await editor.saved();
   assert.equal(editor.beside("outside-1"), outside);
-  await editor.end();
 });
 
-test("a browser without room says so, and keeps again once there is some", async () => {
-  const editor = await reveal();
-  const { page } = editor;
+withReveal("a browser without room says so, and keeps again once there is some", async (editor, page) => {
   await page.evaluate(() => {
     for (let size = 2 ** 23, n = 0; size >= 1; size /= 2) {
       for (;;) {
@@ -333,5 +303,4 @@ test("a browser without room says so, and keeps again once there is some", async
   assert.equal(await page.locator("#notice-room").count(), 0);
   await loadAgain(page);
   assert.equal(await move(page), shape);
-  await editor.end();
 });
