@@ -29,45 +29,25 @@ constexpr std::int64_t told_in_a_tick = 10 * contacts, taken_in_a_tick = 64, kep
 constexpr std::int64_t fewest_ticks_to_lose = kept / told_in_a_tick;
 constexpr std::int64_t ticks_to_lose = kept / (told_in_a_tick - taken_in_a_tick) + 1;
 
-/// What the rig has beside its loose contacts.
-const std::string with_emergency_stop = R"([emergency_stop]
-chip = "head"
-line = 6
-stops_at = "high"
-bias = "none"
-)";
-const std::string with_home =
-    R"(home = { chip = "head", line = 7, direction = "positive", fast = 10, slow = 1, back_off = 1, bias = "none" }
-)";
+/// A home of the rig with loose contacts.
+std::string home_at(unsigned line) {
+  return fmt::format(
+      R"(home = {{ chip = "head", line = {}, direction = "positive", fast = 10, slow = 1, back_off = 1, )"
+      R"(bias = "none" }})",
+      line);
+}
 
 /// A loop so slow, and so many lines that change, that more edges come in a tick than it can take.
 std::string rig_with_loose_contacts(const std::string& of_rig, const std::string& of_x) {
-  std::string text = "name = \"bench\"\nrate_hz = 10\nstep_watch_us = 0\n" + of_rig + R"([[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-)" + of_x;
+  const std::string x = R"(chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high")";
+  std::vector<AxisText> axes{gpio_axis("x", {-1, 60}, x, of_x)};
   for (unsigned i = 0; i < contacts; ++i) {
-    text += fmt::format(R"([[axis]]
-name = "spare {}"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = {{ type = "step-dir", chip = "head", step = {}, dir = {}, steps_per_unit = 10 }}
-home = {{ chip = "head", line = {}, direction = "positive", fast = 10, slow = 1, back_off = 1, bias = "none" }}
-)",
-                        i, first_contact + contacts + 2 * i, first_contact + contacts + 2 * i + 1,
-                        first_contact + i);
+    const unsigned line = first_contact + contacts + 2 * i;
+    axes.push_back(gpio_axis(fmt::format("spare {}", i), {-1, 60},
+                             fmt::format("chip = \"head\", step = {}, dir = {}", line, line + 1),
+                             home_at(first_contact + i)));
   }
-  return text;
+  return rig_text(axes, {.name = "bench", .rate_hz = 10, .more = "step_watch_us = 0\n" + of_rig});
 }
 
 const std::string long_move = R"(name = "there"
@@ -110,7 +90,7 @@ struct LooseContacts : GpioScene {
 // The kernel keeps the last 1024 edges of a chip. The emergency stop itself is not touched, but a moment in
 // which it was pressed would not be known of any more.
 TEST(GpioFault, EdgesThatTheKernelLostOnTheChipOfTheEmergencyStopAreAnEmergencyStop) {
-  const LooseContacts scene(rig_with_loose_contacts(with_emergency_stop, ""), GpioSceneOptions{}.command,
+  const LooseContacts scene(rig_with_loose_contacts(emergency_stop_of_head, ""), GpioSceneOptions{}.command,
                             "shake");
   EXPECT_THAT(scene.run.out,
               AllOf(HasSubstr("edges were lost on the chip of the emergency stop, line 6 of chip \"head\""),
@@ -121,14 +101,14 @@ TEST(GpioFault, EdgesThatTheKernelLostOnTheChipOfTheEmergencyStopAreAnEmergencyS
 
 // docs/faults.md 31
 TEST(GpioFault, EdgesThatTheKernelLostWhileAnAxisLooksForItsSwitchEndTheHoming) {
-  const LooseContacts scene(rig_with_loose_contacts("", with_home),
+  const LooseContacts scene(rig_with_loose_contacts("", home_at(7)),
                             "home --rig rig.toml --positions positions x", "shake");
   EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": edges of the switches were lost"));
   scene.expect_a_stop_when_edges_were_lost(6);
 }
 
 TEST(GpioFault, LinesThatChangeOftenAndAreAllHeardStopNothing) {
-  const LooseContacts scene(rig_with_loose_contacts(with_emergency_stop, ""), GpioSceneOptions{}.command,
+  const LooseContacts scene(rig_with_loose_contacts(emergency_stop_of_head, ""), GpioSceneOptions{}.command,
                             "shake; sleep 0.4; kill $contacts");
   EXPECT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
   EXPECT_GE(scene.rises(first_contact).size(), 15U);
@@ -140,9 +120,12 @@ TEST(GpioFault, LinesThatChangeOftenAndAreAllHeardStopNothing) {
 
 /// Whoever takes a line of "head" changes a level there: the resistors of the chip pull up two of them, and
 /// the drive is off while its ENABLE is high.
-const std::string rig_on_two_chips = R"(name = "bench"
-rate_hz = 250
-step_watch_us = 0
+const std::string rig_on_two_chips =
+    rig_text({gpio_axis("x", {-1, 60}, R"(chip = "head", step = 0, dir = 1, enable = 4)",
+                        R"(limit_max = { chip = "head", line = 7, active = "high", bias = "pull-up" })"),
+              gpio_axis("y", {-60, 1}, R"(chip = "far", step = 0, dir = 1)",
+                        R"(limit_min = { chip = "far", line = 3, active = "high", bias = "none" })")},
+             {.name = "bench", .rate_hz = 250, .more = R"(step_watch_us = 0
 [emergency_stop]
 chip = "head"
 line = 6
@@ -151,35 +134,7 @@ bias = "pull-up"
 [output.lamp]
 chip = "far"
 line = 2
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-limit_max = { chip = "head", line = 7, active = "high", bias = "pull-up" }
-[[axis]]
-name = "y"
-unit = "mm"
-min = -60
-max = 1
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "far", step = 0, dir = 1, steps_per_unit = 10 }
-limit_min = { chip = "far", line = 3, active = "high", bias = "none" }
-)";
-const std::string move_of_both = R"(name = "there"
-fps = 25
-frames = 100
-[[track]]
-axes = ["x", "y"]
-keys = [ { at = [0, 0] }, { at = [50, -20] } ]
-speed = [0, 0, 10, 10, 0, 0]
-)";
+)"});
 
 /// `head` is watched.
 struct TwoChips : GpioScene {
@@ -192,14 +147,9 @@ struct TwoChips : GpioScene {
                    .at_zero = {"x", "y"},
                    .command = command,
                    .during = "gpioinfo --chip $(basename $(readlink $chips/head)) >lines_of_head",
-                   .bench = with_chips(more_of_bench)}),
+                   .bench = {"--gpio", "head:8", "--gpio", "far:4"},
+                   .more_of_bench = more_of_bench}),
         lines_of_head(file_contents(path("lines_of_head"))) {}
-
-  static std::vector<std::string> with_chips(const std::vector<std::string>& more) {
-    std::vector<std::string> bench{"--gpio", "head:8", "--gpio", "far:4"};
-    bench.insert(bench.end(), more.begin(), more.end());
-    return bench;
-  }
   void expect_nothing_was_touched() const {
     EXPECT_THAT(record, SizeIs(1)) << "a level has changed";
     EXPECT_THAT(lines_of_head, AllOf(HasSubstr("8 lines"), Not(HasSubstr("output"))));
@@ -242,7 +192,7 @@ TEST(GpioFault, ALineThatTheRigMeansTwiceIsRefusedBeforeAnyIsTaken) {
   EXPECT_EQ(scene.run.status, 1);
   EXPECT_THAT(scene.run.err,
               AllOf(HasSubstr("rig.toml:10:"),
-                    HasSubstr("line 3 of chip \"far\" is used in line 31 already; give each line one use")));
+                    HasSubstr("line 3 of chip \"far\" is used in line 30 already; give each line one use")));
   scene.expect_nothing_was_touched();
 }
 
@@ -250,23 +200,13 @@ TEST(GpioFault, ALineThatTheRigMeansTwiceIsRefusedBeforeAnyIsTaken) {
 
 TEST(GpioFault, AnOutputThatSaysOnlyTheNameOfItsLinePulsesThere) {
   constexpr unsigned camera = 2, lamp = 1;
-  const GpioScene scene({.rig = R"(name = "bench"
-rate_hz = 250
-[output.shutter]
+  const GpioScene scene({.rig = rig_text({gpio_axis("x", {-1, 60}, R"(chip = "head", step = 0, dir = 1)")},
+                                         {.name = "bench", .rate_hz = 250, .more = R"([output.shutter]
 line = "CAMERA"
 [output.lamp]
 chip = "far"
 line = 1
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 0, dir = 1, steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-)",
+)"}),
                          .move = R"(name = "there"
 fps = 25
 frames = 100

@@ -23,34 +23,20 @@ constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, e
 constexpr double steps_per_unit = 10;
 constexpr std::int64_t ms = 1'000'000;
 
-const std::string rig_text = R"(name = "bench"
-rate_hz = 250
-step_watch_us = 0
-[[axis]]
-name = "x"
-unit = "mm"
-min = 0
-max = 100
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-home = { chip = "head", line = 6, bias = "none", direction = "negative", fast = 20, slow = 2, back_off = 2 }
-[[axis]]
-name = "y"
-unit = "mm"
-min = 0
-max = 100
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-home = { chip = "head", line = 7, bias = "none", direction = "negative", fast = 20, slow = 2, back_off = 2 }
-)";
+/// An axis with a home on the chip.
+AxisText homed_axis(const std::string& name, const std::string& lines, unsigned home) {
+  return gpio_axis(name, {0, 100}, R"(chip = "head", enable_active = "high", )" + lines,
+                   fmt::format("home = {{ chip = \"head\", line = {}, bias = \"none\", direction = "
+                               "\"negative\", fast = 20, slow = 2, back_off = 2 }}",
+                               home));
+}
+const std::string rig_of_both = rig_text({homed_axis("x", "step = 0, dir = 1, enable = 4", 6),
+                                          homed_axis("y", "step = 2, dir = 3, enable = 5", 7)},
+                                         {.name = "bench", .rate_hz = 250, .more = "step_watch_us = 0\n"});
 
 /// Both axes look for their switches. That of y is in order, and far away.
 struct HomeScene : GpioScene {
-  HomeScene(const std::string& before, const std::string& during, const std::string& rig = rig_text)
+  HomeScene(const std::string& before, const std::string& during, const std::string& rig = rig_of_both)
       : GpioScene({.rig = rig,
                    .at_zero = {"x", "y"},
                    .before = before,
@@ -149,7 +135,7 @@ TEST(GpioHome, ASwitchThatDoesNotOpenAgainStopsAllAxes) {
 }
 
 TEST(GpioHome, ASwitchThatIsNotReachedInTheAllowedDistanceStopsAllAxes) {
-  std::string rig = rig_text;
+  std::string rig = rig_of_both;
   rig.replace(rig.find("back_off = 2 }"), 14, "back_off = 2, search = 20 }");
   const HomeScene scene("", "", rig);
   EXPECT_THAT(scene.run.out, HasSubstr("bench: axis \"x\": the switch was not reached within the distance to "

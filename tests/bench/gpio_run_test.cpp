@@ -29,61 +29,22 @@ constexpr double steps_per_unit = 10;
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t tick_ns = 4 * ms;
 
-// Pulses so long that whoever looks every 0.4 ms sees each of them.
-const std::string rig_text = R"(name = "bench"
-rate_hz = 250
-step_watch_us = 0
-[emergency_stop]
-chip = "head"
-line = 6
-stops_at = "high"
-bias = "none"
-[[axis]]
-name = "x"
-unit = "mm"
-min = -1
-max = 60
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-limit_max = { chip = "head", line = 7, active = "high", bias = "none" }
-[[axis]]
-name = "y"
-unit = "mm"
-min = -60
-max = 1
-max_velocity = 33
-max_acceleration = 100
-unpowered = "holds"
-drive = { type = "step-dir", chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000 }
-)";
+const std::string rig_of_both = rig_text(
+    {gpio_axis("x", {-1, 60}, R"(chip = "head", step = 0, dir = 1, enable = 4, enable_active = "high")",
+               R"(limit_max = { chip = "head", line = 7, active = "high", bias = "none" })"),
+     gpio_axis("y", {-60, 1}, R"(chip = "head", step = 2, dir = 3, enable = 5, enable_active = "high")")},
+    {.name = "bench", .rate_hz = 250, .more = "step_watch_us = 0\n" + emergency_stop_of_head});
 constexpr unsigned step_x = 0, dir_x = 1, step_y = 2, dir_y = 3, enable_x = 4, enable_y = 5;
 constexpr unsigned emergency_stop = 6, limit_x = 7;
-
-const std::string move_text = R"(name = "there"
-fps = 25
-frames = 100
-[[track]]
-axes = ["x", "y"]
-keys = [ { at = [0, 0] }, { at = [50, -20] } ]
-speed = [0, 0, 10, 10, 0, 0]
-)";
 
 /// What the lines did while the move was run: `during` happens in the middle of it.
 struct GpioRunScene : GpioScene {
   explicit GpioRunScene(const std::string& during, const std::vector<std::string>& more_of_bench = {})
-      : GpioScene({.rig = rig_text,
-                   .move = move_text,
+      : GpioScene({.rig = rig_of_both,
+                   .move = move_of_both,
                    .at_zero = {"x", "y"},
                    .during = during,
-                   .bench = with_head(more_of_bench)}) {}
-
-  static std::vector<std::string> with_head(const std::vector<std::string>& more) {
-    std::vector<std::string> bench{"--gpio", "head:8"};
-    bench.insert(bench.end(), more.begin(), more.end());
-    return bench;
-  }
+                   .more_of_bench = more_of_bench}) {}
   /// Steps in both axes, and not the whole move.
   void expect_a_part_of_the_move() const {
     EXPECT_GT(rises(step_x).size(), 50U);
@@ -206,8 +167,8 @@ TEST(GpioRun, ABusyLineNamesItsUserAndNothingIsSwitchedOn) {
   const TemporaryFolder folder;
   std::string script =
       "cd " + folder.path().string() + "\nchip=$(basename $(readlink $INBETWEEN_BENCH_GPIO/head))\n";
-  std::ofstream(folder.path() / "rig.toml") << rig_text;
-  std::ofstream(folder.path() / "move.toml") << move_text;
+  std::ofstream(folder.path() / "rig.toml") << rig_of_both;
+  std::ofstream(folder.path() / "move.toml") << move_of_both;
   EXPECT_EQ(run_program({"goto", "--rig", (folder.path() / "rig.toml").string(), "--positions",
                          (folder.path() / "positions").string(), "--set-zero", "x", "y"})
                 .status,
@@ -249,8 +210,8 @@ TEST(GpioRun, KilledInMotionTheStepsEndAndWhatPullsAtEnableDecides) {
 }
 
 TEST(GpioRun, AStepRateBeyondTheDrivesIsRefusedAtItsPlaceInTheRig) {
-  const TemporaryFile move("move.toml", move_text);
-  std::string text = rig_text;
+  const TemporaryFile move("move.toml", move_of_both);
+  std::string text = rig_of_both;
   text.replace(text.find("max_velocity = 33"), 17, "max_velocity = 34");
   const TemporaryFile rig("rig.toml", text);
   const ProgramRun run =

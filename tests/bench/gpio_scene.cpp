@@ -21,7 +21,9 @@ GpioScene::GpioScene(const GpioSceneOptions& options) {
     EXPECT_EQ(run_program(words).status, 0);
   }
   std::vector<std::string> bench{"--virtual-time"};
-  bench.insert(bench.end(), options.bench.begin(), options.bench.end());
+  for (const auto* words : {&options.bench, &options.more_of_bench}) {
+    bench.insert(bench.end(), words->begin(), words->end());
+  }
   // A kernel that has just started has coarse timers.
   run = script_in_bench(
       bench, fmt::format(R"(echo -1 >/proc/sys/kernel/sched_rt_runtime_us

@@ -7,10 +7,38 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
+
+/// An axis that goes 33 mm/s, with pulses so long that whoever looks every 0.4 ms sees each of them. `lines`
+/// are those of its drive, `more` what else it has.
+inline AxisText gpio_axis(const std::string& name, RangeText range, const std::string& lines,
+                          const std::string& more = "") {
+  return axis_text(name, "mm", range, {.velocity = 33, .acceleration = 100}, "unpowered = \"holds\"\n" + more,
+                   "type = \"step-dir\", " + lines +
+                       ", steps_per_unit = 10, max_step_rate = 333, pulse_us = 1000, pause_us = 1000");
+}
+
+/// On the line that a pressed stop leaves high.
+inline const std::string emergency_stop_of_head = R"([emergency_stop]
+chip = "head"
+line = 6
+stops_at = "high"
+bias = "none"
+)";
+
+/// x and y go from 0 to 50 and to -20.
+inline const std::string move_of_both = R"(name = "there"
+fps = 25
+frames = 100
+[[track]]
+axes = ["x", "y"]
+keys = [ { at = [0, 0] }, { at = [50, -20] } ]
+speed = [0, 0, 10, 10, 0, 0]
+)";
 
 /// Watching the clock before every edge takes the kernel of the bench a system call for each look: rigs here
 /// have step_watch_us = 0, and sleep until the edge.
@@ -26,6 +54,7 @@ struct GpioSceneOptions {
   std::string command = "run move.toml --rig rig.toml --positions positions";
   std::string during = "";  ///< bash beside it, two seconds after its start; $run is the program
   std::vector<std::string> bench = {"--gpio", "head:8"};
+  std::vector<std::string> more_of_bench = {};
   std::string watched = "head";
   /// These lines of the watched chip are recorded. Looking at them takes most of the time of a scene.
   std::vector<unsigned> lines = {0, 1, 2, 3, 4, 5, 6, 7};
