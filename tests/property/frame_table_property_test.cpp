@@ -50,8 +50,7 @@ TEST(FrameTableProperty, SpeedIsAsDrawnWithACertifiedInverse) {
 
 TEST(FrameTableProperty, FirstAndLastFrameAreTheKeysToTheLastBit) {
   check_property(many_moves, [](const RandomMove& move) {
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     const Path& path = solved.track().path();
     const auto axes = static_cast<std::size_t>(path.axis_count());
     std::vector<double> first(axes);
@@ -70,8 +69,7 @@ TEST(FrameTableProperty, FirstAndLastFrameAreTheKeysToTheLastBit) {
 
 TEST(FrameTableProperty, ARowIsWhatTheTickEvaluatesAtThatFrame) {
   check_property(1000, [](const RandomMove& move) {
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     for (std::int32_t frame = 0; frame <= move.frames; ++frame) {
       const PathPoint row = solved.table().point(frame);
       const PathPoint tick = solved.track().locate({frame, 0});

@@ -85,14 +85,13 @@ LockedMove random_locked_move() {
 }
 
 void showLocks(const LockedMove& locked) {
-  std::ostringstream text;
-  showValue(locked.move, text);
-  RC_LOG() << text.str();
+  show(locked.move);
   for (const KeyLock& lock : locked.locks)
     RC_LOG() << "# key " << lock.key << " on frame " << lock.frame << '\n';
 }
 
-std::optional<SolvedTrack> solved(const TrackInput& input, const LockedMove& locked) {
+std::optional<SolvedTrack> solved(const LockedMove& locked) {
+  const TrackInput input(locked.move);
   TrackSpec spec = input.spec;
   spec.locks = locked.locks;
   try {
@@ -105,6 +104,16 @@ std::optional<SolvedTrack> solved(const TrackInput& input, const LockedMove& loc
               1);
     return std::nullopt;
   }
+}
+
+/// Calls `property` with random moves and with their solution, or with nothing where a move is refused.
+template <class Property>
+void check_locked(const Property& property) {
+  check_property(many_moves, [&] {
+    const LockedMove locked = random_locked_move();
+    showLocks(locked);
+    property(locked, solved(locked));
+  });
 }
 
 /// 0 where the drawn curve, refined as it is, stands still: at two zeros at an end and at three in a row
@@ -164,11 +173,7 @@ oracle::QuadraticProgram problem_of(const LockedMove& locked, int refinements) {
 
 TEST(KeyTimingProperty, EveryLockedKeyIsMetOnItsFrame) {
   int met = 0;
-  check_property(many_moves, [&met] {
-    const LockedMove locked = random_locked_move();
-    showLocks(locked);
-    const TrackInput input(locked.move);
-    const auto track = solved(input, locked);
+  check_locked([&met](const LockedMove& locked, const std::optional<SolvedTrack>& track) {
     if (!track) return;
     ++met;
     const auto places = oracle_places(track->track(), track->table());
@@ -184,11 +189,7 @@ TEST(KeyTimingProperty, EveryLockedKeyIsMetOnItsFrame) {
 }
 
 TEST(KeyTimingProperty, ThePlayedControlValuesReproduceTheTable) {
-  check_property(many_moves, [] {
-    const LockedMove locked = random_locked_move();
-    showLocks(locked);
-    const TrackInput input(locked.move);
-    const auto track = solved(input, locked);
+  check_locked([](const LockedMove& locked, const std::optional<SolvedTrack>& track) {
     if (!track) return;
     const oracle::Profile played(track->control_values());
     const auto places = oracle_places(track->track(), track->table());
@@ -201,11 +202,7 @@ TEST(KeyTimingProperty, ThePlayedControlValuesReproduceTheTable) {
 }
 
 TEST(KeyTimingProperty, TheAdjustedValuesStayInRangeAndKeepTheAreaAndTheRests) {
-  check_property(many_moves, [] {
-    const LockedMove locked = random_locked_move();
-    showLocks(locked);
-    const TrackInput input(locked.move);
-    const auto track = solved(input, locked);
+  check_locked([](const LockedMove& locked, const std::optional<SolvedTrack>& track) {
     if (!track) return;
     const std::vector<double>& values = track->control_values();
     RC_ASSERT(*std::ranges::min_element(values) >= 0);
@@ -231,11 +228,7 @@ TEST(KeyTimingProperty, TheAdjustedValuesStayInRangeAndKeepTheAreaAndTheRests) {
 
 TEST(KeyTimingProperty, NoOtherCurveThatMeetsTheKeysChangesLess) {
   int compared = 0;
-  check_property(many_moves, [&compared] {
-    const LockedMove locked = random_locked_move();
-    showLocks(locked);
-    const TrackInput input(locked.move);
-    const auto track = solved(input, locked);
+  check_locked([&compared](const LockedMove& locked, const std::optional<SolvedTrack>& track) {
     if (!track || track->control_values().size() > max_spans) return;
     const oracle::QuadraticProgram problem = problem_of(locked, track->key_timing()->refinements);
     const std::optional<Values> least = oracle::solve(problem);
@@ -255,11 +248,7 @@ TEST(KeyTimingProperty, NoOtherCurveThatMeetsTheKeysChangesLess) {
 
 TEST(KeyTimingProperty, TheCurveIsRefinedOnlyWhereNoCurveOfFewerValuesMeetsTheKeys) {
   int refined = 0;
-  check_property(many_moves, [&refined] {
-    const LockedMove locked = random_locked_move();
-    showLocks(locked);
-    const TrackInput input(locked.move);
-    const auto track = solved(input, locked);
+  check_locked([&refined](const LockedMove& locked, const std::optional<SolvedTrack>& track) {
     const int refinements = track ? track->key_timing()->refinements : 99;
     if (refinements == 0) return;
     ++refined;

@@ -44,12 +44,6 @@ WholeFrames any_part(const RandomMove& move, const oracle::IdealMotion& ideal) {
   return part;
 }
 
-void show(const RandomMove& move) {
-  std::ostringstream text;
-  showValue(move, text);
-  RC_LOG() << text.str();
-}
-
 /// Whether all keys of several axes lie on one line, so that nothing turns anywhere. There the oracle takes
 /// products of axes from each other that are equal but for their rounding, and where the path nearly stands
 /// still it divides what is left by next to nothing: its acceleration across the line can be anything.
@@ -114,8 +108,7 @@ TEST(MoveBoundsProperty, NoPeakIsAboveItsBoundAndNoBoundIsOnePercentAboveItsPeak
   check_property(many_moves, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput input(move);
-    const SolvedTrack solution(input.spec, Solver::closed_form);
+    const SolvedTrack solution = solve(move);
     if (solution.track().arc_length().total() == 0) return;
     const oracle::IdealMotion ideal(move.keys, oracle::Profile(move.speed), move.frames, fps);
     const WholeFrames part = any_part(move, ideal);

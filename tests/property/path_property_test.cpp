@@ -74,8 +74,7 @@ TEST(PathProperty, IsTheOraclesPathToAFewUlpOfItsSize) {
 TEST(PathProperty, TheParametricSpeedIsTheOracles) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path expected(move.keys);
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     const Path& path = solved.track().path();
     const int segment = *rc::gen::inRange(0, path.segment_count());
     const double t = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(0, 1001)) / 1000.0;
@@ -91,12 +90,6 @@ TEST(PathProperty, TheParametricSpeedIsTheOracles) {
 
 // --- arc length
 
-SolvedTrack solved_with(const RandomMove& move, const ArcLengthOptions& options) {
-  TrackInput input(move);
-  input.spec.arc_length = options;
-  return SolvedTrack(input.spec, Solver::closed_form);
-}
-
 /// A place anywhere on the path, rather often at a key.
 PathPoint random_point(std::int32_t segments) {
   const int part = *rc::gen::resize(rc::kNominalSize, rc::gen::inRange(-100, 1000));
@@ -106,7 +99,7 @@ PathPoint random_point(std::int32_t segments) {
 TEST(ArcLengthProperty, TheTotalIsTheOraclesToTwelveDigits) {
   check_property(many_moves, [](const RandomMove& move) {
     const long double expected = oracle::Path(move.keys).total_length();
-    const SolvedTrack solved = solved_with(move, {.delta = 1e-9});
+    const SolvedTrack solved = solve(move, {.delta = 1e-9});
     expect_near(solved.track().arc_length().total(), expected, 1e-12L * expected);
   });
 }
@@ -114,7 +107,7 @@ TEST(ArcLengthProperty, TheTotalIsTheOraclesToTwelveDigits) {
 TEST(ArcLengthProperty, TheDistanceToAPointIsTheOracles) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path expected(move.keys);
-    const SolvedTrack solved = solved_with(move, {.delta = 1e-9});
+    const SolvedTrack solved = solve(move, {.delta = 1e-9});
     const Track& track = solved.track();
     for (int i = 0; i < 4; ++i) {
       const PathPoint point = random_point(track.path().segment_count());
@@ -129,7 +122,7 @@ TEST(ArcLengthProperty, TheInverseComesBackToThePointMeasured) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path path(move.keys);
     for (const double delta : {1e-4, 1e-6, 1e-9}) {
-      const SolvedTrack solved = solved_with(move, {.delta = delta});
+      const SolvedTrack solved = solve(move, {.delta = delta});
       const Track& track = solved.track();
       const PathPoint point = random_point(track.path().segment_count());
       const PathPoint back = track.arc_length().locate(track.arc_length().distance(track.path(), point));
@@ -155,7 +148,7 @@ double pieces_per_segment(double delta) {
   check_property(200, [&] {
     const RandomMove move = *rc::gen::suchThat(
         regular_move(), [](const RandomMove& drawn) { return oracle::Path(drawn.keys).slowest() > 0.2L; });
-    const SolvedTrack solved = solved_with(move, {.delta = delta});
+    const SolvedTrack solved = solve(move, {.delta = delta});
     pieces += solved.track().arc_length().piece_count();
     segments += solved.track().path().segment_count();
   });

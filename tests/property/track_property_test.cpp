@@ -97,9 +97,7 @@ TEST(TrackProperty, EveryDerivativeBetweenFramesIsTheOracles) {
     const RandomMove move = *regular_move();
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
-    TrackInput input(move);
-    input.spec.arc_length.delta = 1e-9;
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move, {.delta = 1e-9});
     const Track& track = solved.track();
     std::vector<AxisMotion> axes(static_cast<std::size_t>(path.axes()));
     for (int i = 0; i < 3; ++i) {
@@ -136,9 +134,7 @@ TEST(TrackProperty, AlongThePathEveryDerivativeIsTheDrawnCurvesAtAnyTime) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
-    TrackInput input(move);
-    input.spec.arc_length.delta = 1e-9;
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move, {.delta = 1e-9});
     const FrameTime time = random_time(move.frames);
     const oracle::Row row = oracle::row_at(path, profile, move.frames, frame_of(time));
     const long double scale =
@@ -163,8 +159,7 @@ TEST(TrackProperty, TheTickIsOnThePathWhereTheOraclePutsIt) {
   check_property(many_moves, [](const RandomMove& move) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     for (int i = 0; i < 4; ++i) {
       const FrameTime time = random_time(move.frames);
       const PathPoint point = solved.track().locate(time);
@@ -185,9 +180,7 @@ TEST(TrackProperty, RowsReadAsTheOracleDrawsThem) {
     const oracle::Path path(move.keys);
     const oracle::Profile profile(move.speed);
     const std::vector<oracle::Row> expected = oracle::frame_table(path, profile, move.frames);
-    TrackInput input(move);
-    input.spec.arc_length.delta = 1e-9;
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move, {.delta = 1e-9});
     long double fastest = 0;
     for (const oracle::Row& row : expected) fastest = std::max(fastest, row.speed);
     const long double rate =

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
-#include <sstream>
 #include <vector>
 
 #include "host_tools/plan/fitted_trajectory.hpp"
@@ -26,12 +25,6 @@ namespace trajectory_property_test {
 
 constexpr int many_moves = 1000;
 
-void show(const RandomMove& move) {
-  std::ostringstream text;
-  showValue(move, text);
-  RC_LOG() << text.str();
-}
-
 /// Whether no peak is so narrow, beside a near-cusp, that it is passed in a few of the last digits of
 /// positions and times: a ten-millionth of the move.
 bool is_resolved(const Track& track, const std::vector<AxisPeaks>& peaks) {
@@ -49,8 +42,7 @@ TEST(TrajectoryProperty, WhatPlaysIsWithinTheTolerancesOfWhatIsAsked) {
   check_property(many_moves, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     const Track& track = solved.track();
     if (track.arc_length().total() == 0) return;
     if (!is_resolved(track, bounds_of_track(track).peaks())) return;
@@ -98,8 +90,7 @@ TEST(TrajectoryProperty, EveryJointTheFirstAndTheLastPositionAreThoseOfTheTrack)
   check_property(many_moves, [&] {
     const RandomMove move = *random_move();
     show(move);
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     const Track& track = solved.track();
     if (track.arc_length().total() == 0) return;
     const FittedTrajectory fitted(track);
@@ -123,8 +114,7 @@ TEST(TrajectoryProperty, ItsCountsInFloatAreWithinATwentiethOfACount) {
   check_property(many_moves, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     const Track& track = solved.track();
     if (track.arc_length().total() == 0 || track.frames() < 12) return;
     const FittedTrajectory fitted(track);
@@ -165,8 +155,7 @@ void check_bounded(int cases, const Work& work) {
   check_property(cases, [&] {
     const RandomMove move = *regular_move();
     show(move);
-    const TrackInput input(move);
-    const SolvedTrack solved(input.spec, Solver::closed_form);
+    const SolvedTrack solved = solve(move);
     if (solved.track().arc_length().total() == 0) return;
     if (!is_resolved(solved.track(), bounds_of_track(solved.track()).peaks())) return;
     const FittedTrajectory fitted(solved.track());

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <ostream>
+#include <sstream>
 #include <stdexcept>
 
 namespace inbetween {
@@ -275,6 +276,12 @@ std::string as_toml(const RandomMove& move) {
 
 void showValue(const RandomMove& move, std::ostream& out) {
   out << (move.singular ? "# singular path\n" : "") << as_toml(move);
+}
+
+void show(const RandomMove& move) {
+  std::ostringstream text;
+  showValue(move, text);
+  RC_LOG() << text.str();
 }
 
 }  // namespace inbetween

@@ -50,6 +50,9 @@ std::string as_toml(const RandomMove& move);
 /// How RapidCheck prints a counterexample.
 void showValue(const RandomMove& move, std::ostream& out);
 
+/// Where a property draws a move by itself: a counterexample prints this one, too.
+void show(const RandomMove& move);
+
 }  // namespace inbetween
 
 namespace rc {

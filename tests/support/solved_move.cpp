@@ -43,6 +43,12 @@ TrackInput::TrackInput(const RandomMove& move) {
   spec.fps = {24, 1};
 }
 
+SolvedTrack solve(const RandomMove& move, const ArcLengthOptions& arc_length) {
+  TrackInput input(move);
+  input.spec.arc_length = arc_length;
+  return {input.spec, Solver::closed_form};
+}
+
 std::vector<std::pair<int, double>> oracle_places(const Track& track, const FrameTable& table) {
   const std::int32_t segments = track.path().segment_count();
   std::vector<std::pair<int, double>> places;

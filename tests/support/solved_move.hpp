@@ -23,6 +23,9 @@ struct TrackInput {
   TrackInput& operator=(const TrackInput&) = delete;
 };
 
+/// The move as the closed form solves it.
+SolvedTrack solve(const RandomMove& move, const ArcLengthOptions& arc_length = {});
+
 /// The places of a table as the oracle counts them: the end of the path is (last segment, 1).
 std::vector<std::pair<int, double>> oracle_places(const Track& track, const FrameTable& table);
 

@@ -357,8 +357,7 @@ MoveStep step_at(const BoundedMove& bounded, const oracle::Step& expected) {
 
 /// Product and oracle agree on what steps, where and by how much.
 void expect_steps_of_oracle(const RandomMove& move) {
-  const TrackInput input(move);
-  const SolvedTrack solved(input.spec, Solver::closed_form);
+  const SolvedTrack solved = solve(move);
   const oracle::IdealMotion ideal(move.keys, oracle::Profile(move.speed), move.frames, 24);
   const BoundedMove bounded = bounds_of_track(solved.track());
   for (const oracle::Step& expected : ideal.extremes(16).steps) {
@@ -398,8 +397,7 @@ TEST(MotionSteps, WhereThePathStandsStillAtAKeyTheDirectionIsItsLimit) {
   move.keys.tension_continuity_bias = {{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {1, 0, 0}};
   move.speed = {3, 5, 10, 1, 4};
   move.frames = 77;
-  const TrackInput input(move);
-  const SolvedTrack solved(input.spec, Solver::closed_form);
+  const SolvedTrack solved = solve(move);
   const oracle::IdealMotion ideal(move.keys, oracle::Profile(move.speed), move.frames, 24);
   const BoundedMove bounded = bounds_of_track(solved.track());
   for (const oracle::Step& expected : ideal.extremes(16).steps) {

@@ -39,11 +39,6 @@ RandomMove dwelling_move() {
   return move;
 }
 
-SolvedTrack solved(const RandomMove& move) {
-  const TrackInput input(move);
-  return SolvedTrack(input.spec, Solver::closed_form);
-}
-
 void expect_near(double value, long double expected, long double tolerance) {
   EXPECT_LE(std::fabs(static_cast<long double>(value) - expected), tolerance)
       << value << " is not " << expected;
@@ -56,7 +51,7 @@ TEST(FrameTable, RowsReadAsTheOracleDrawsThem) {
     RandomMove move = ordinary_move();
     move.keys.closed = closed;
     move.keys.weights = {1, 0.5L};
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     const oracle::Path path(move.keys);
     const std::vector<oracle::Row> expected =
         oracle::frame_table(path, oracle::Profile(move.speed), move.frames);
@@ -77,7 +72,7 @@ TEST(FrameTable, RowsReadAsTheOracleDrawsThem) {
 }
 
 TEST(FrameTable, ThePositionsOfAllRowsHaveTheBitsOfEach) {
-  const SolvedTrack solution = solved(ordinary_move());
+  const SolvedTrack solution = solve(ordinary_move());
   const Path& path = solution.track().path();
   const std::span<const PathPoint> points = solution.table().points();
   std::vector<double> positions(points.size() * static_cast<std::size_t>(path.axis_count()));
@@ -90,7 +85,7 @@ TEST(FrameTable, ThePositionsOfAllRowsHaveTheBitsOfEach) {
 }
 
 TEST(FrameTable, RowsOfAnotherConstantAreReadWithThatConstant) {
-  const SolvedTrack solution = solved(ordinary_move());
+  const SolvedTrack solution = solve(ordinary_move());
   const FrameTable twice(solution.table().points(),
                          {.constant = 2 * solution.track().constant(), .speed_error = 1e-6});
   const FrameRow row = frame_row(solution.track(), solution.table(), 40);
@@ -101,7 +96,7 @@ TEST(FrameTable, RowsOfAnotherConstantAreReadWithThatConstant) {
 }
 
 TEST(FrameTable, SaysHowGoodItIs) {
-  const SolvedTrack solution = solved(ordinary_move());
+  const SolvedTrack solution = solve(ordinary_move());
   EXPECT_EQ(solution.table().frames(), 100);
   const Provenance& provenance = solution.table().provenance();
   EXPECT_EQ(provenance.speed_error, Precision::default_delta);
@@ -110,7 +105,7 @@ TEST(FrameTable, SaysHowGoodItIs) {
 }
 
 TEST(FrameTable, StatesTheCapacityNeededWhichSuffices) {
-  const SolvedTrack solution = solved(ordinary_move());
+  const SolvedTrack solution = solve(ordinary_move());
   std::vector<PathPoint> points(100);
   const auto refused = closed_form_table(solution.track(), points);
   ASSERT_FALSE(refused);
@@ -123,7 +118,7 @@ TEST(FrameTable, StatesTheCapacityNeededWhichSuffices) {
 TEST(FrameTable, OneKeyIsOneRowAfterAnother) {
   RandomMove move = ordinary_move();
   move.keys.at.resize(1);
-  const SolvedTrack solution = solved(move);
+  const SolvedTrack solution = solve(move);
   ASSERT_EQ(solution.table().frames(), 100);
   for (std::int32_t frame = 0; frame <= 100; ++frame) {
     const FrameRow row = frame_row(solution.track(), solution.table(), frame);
@@ -143,7 +138,7 @@ TEST(FrameTable, GoodTablesKeepEveryRule) {
       for (RandomMove move : {ordinary_move(), dwelling_move()}) {
         move.keys.kind = kind;
         move.keys.closed = closed;
-        const SolvedTrack solution = solved(move);
+        const SolvedTrack solution = solve(move);
         const Status status = check_invariants(solution.track(), solution.table());
         EXPECT_TRUE(status) << status.error().what;
       }
@@ -155,7 +150,7 @@ using Damage = std::function<void(std::vector<PathPoint>&)>;
 
 /// Damages a good table and expects the rule and the frame to be named.
 void expect_broken(const RandomMove& move, const Damage& damage, const char* rule, std::int32_t frame) {
-  const SolvedTrack solution = solved(move);
+  const SolvedTrack solution = solve(move);
   const auto good = solution.table().points();
   std::vector<PathPoint> points(good.begin(), good.end());
   damage(points);
@@ -271,7 +266,7 @@ TEST(FrameTable, TheDeviationIsThatOfTheWorstStep) {
   move.keys.at = {{0, 0}, {10, 0}};
   move.speed = {1};
   move.frames = 10;
-  const SolvedTrack solution = solved(move);
+  const SolvedTrack solution = solve(move);
   const auto good = solution.table().points();
   std::vector<PathPoint> points(good.begin(), good.end());
   EXPECT_LE(measure_speed_deviation(solution.track(), points).relative, 1e-13);

@@ -55,12 +55,6 @@ RandomMove rounded(RandomMove move) {
   return move;
 }
 
-SolvedTrack solved(const RandomMove& move, double delta = Precision::default_delta) {
-  TrackInput input(move);
-  input.spec.arc_length.delta = delta;
-  return SolvedTrack(input.spec, Solver::closed_form);
-}
-
 /// The error with which a solver refuses a move.
 Error refusal(const RandomMove& move, Solver solver = Solver::closed_form) {
   const TrackInput input(move);
@@ -138,7 +132,7 @@ constexpr int max_pieces_per_segment = 600;
 /// Solves a move in closed form and judges the speed of every frame, the invariants and the number of pieces.
 void expect_as_drawn(const RandomMove& drawn, double delta = Precision::default_delta) {
   const RandomMove move = rounded(drawn);
-  const SolvedTrack solution = solved(move, delta);
+  const SolvedTrack solution = solve(move, {.delta = delta});
   EXPECT_LE(worst_step(move, solution), 1.0L);
   const Status invariants = check_invariants(solution.track(), solution.table());
   EXPECT_TRUE(invariants) << (invariants ? "" : invariants.error().what);
@@ -182,7 +176,7 @@ TEST(HardCases, TensionOneIsTravelledAtTheDrawnSpeed) {
 
 TEST(HardCases, TensionOneRunsStraightThroughEveryCorner) {
   // Without tangents every segment is its chord: 100 units in x, then 100 in y, in 48 frames.
-  const SolvedTrack solution = solved(tense(1, {{0, 0}, {100, 0}, {100, 100}}));
+  const SolvedTrack solution = solve(tense(1, {{0, 0}, {100, 0}, {100, 100}}));
   for (int frame = 0; frame <= 48; ++frame) {
     const auto axes = motion_at(solution, {frame, 0});
     const double travelled = frame * 200.0 / 48;
@@ -192,7 +186,7 @@ TEST(HardCases, TensionOneRunsStraightThroughEveryCorner) {
 }
 
 TEST(HardCases, TensionOneReportsThatDerivativesAtAKeyAreOneSided) {
-  const SolvedTrack solution = solved(tense(1, {{0, 0}, {100, 0}, {100, 100}}));
+  const SolvedTrack solution = solve(tense(1, {{0, 0}, {100, 0}, {100, 100}}));
   const double speed = 200 / 2.0;  // 200 units in 48 frames of 1/24 s
   std::uint8_t order{};
   const auto start = motion_at(solution, {0, 0}, &order);
@@ -245,7 +239,7 @@ TEST(HardCases, NearCuspsAreAsDrawnAtEveryDelta) {
     for (const double delta : {1e-4, 1e-9}) {
       SCOPED_TRACE("e = 1e-" + std::to_string(i) + ", delta " + std::to_string(delta));
       const RandomMove move = cusp(std::pow(10.0L, -i));
-      const SolvedTrack solution = solved(rounded(move), delta);
+      const SolvedTrack solution = solve(rounded(move), {.delta = delta});
       EXPECT_LE(worst_step(rounded(move), solution), 1.0L);
       EXPECT_LE(solution.track().arc_length().piece_count(), 3 * 4 * max_pieces_per_segment);
     }
@@ -266,7 +260,7 @@ TEST(HardCases, TensionNearlyOneIsAsFiniteAndAsFastAsDrawn) {
 
 TEST(HardCases, WhereTheCuspIsTheAccelerationIsReportedAsUnbounded) {
   // Across the cusp the acceleration grows without a bound; along the path it is that of the curve, 0 here.
-  const SolvedTrack solution = solved(cusp(0));
+  const SolvedTrack solution = solve(cusp(0));
   const auto near = motion_at(solution, {23, 0.9});
   const auto nearer = motion_at(solution, {23, 0.99});
   EXPECT_GT(std::fabs(nearer[1].acceleration), 2 * std::fabs(near[1].acceleration));
@@ -290,7 +284,7 @@ TEST(HardCases, TheSameKeyTwiceIsASmallLoopInTcb) {
     const RandomMove move = move_of(kind, with_key_repeated(2));
     expect_as_drawn(move);
     expect_right_or_refused_by_runge_kutta(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     const ArcLength& length = solution.track().arc_length();
     const double loop = length.segment_begin(2).minus(length.segment_begin(1));
     const oracle::Path path(move.keys);
@@ -303,7 +297,7 @@ TEST(HardCases, TheSameKeyThreeTimesHasZeroSpeedInTheMiddleInTcb) {
   for (const Kind kind : {Kind::tcb, Kind::catmull_rom}) {
     const RandomMove move = move_of(kind, with_key_repeated(3));
     expect_as_drawn(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     EXPECT_EQ(solution.track().path().parametric_speed({2, 0}), 0);
     const Error error = refusal(move, Solver::runge_kutta);
     EXPECT_EQ(error.code, ErrorCode::singular);
@@ -316,7 +310,7 @@ TEST(HardCases, TheSameKeyFourTimesHasASegmentWithoutLengthThatIsSkipped) {
     RandomMove move = move_of(kind, with_key_repeated(4));
     move.frames = 1000;
     expect_as_drawn(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     const ArcLength& length = solution.track().arc_length();
     EXPECT_EQ(length.segment_begin(2).minus(length.segment_begin(3)), 0);
     for (const PathPoint& point : solution.table().points()) EXPECT_NE(point.segment, 2);
@@ -329,11 +323,11 @@ TEST(HardCases, TheSameKeyFourTimesHasASegmentWithoutLengthThatIsSkipped) {
 TEST(HardCases, RepeatedKeysAreOneInASmoothPath) {
   RandomMove move = move_of(Kind::smooth, with_key_repeated(1));
   move.speed = {0, 5, 20, 3, 0, 0};
-  const SolvedTrack once = solved(move);
+  const SolvedTrack once = solve(move);
   for (const int times : {2, 3, 4}) {
     move.keys.at = with_key_repeated(times);
     expect_as_drawn(move);
-    const SolvedTrack repeated = solved(move);
+    const SolvedTrack repeated = solve(move);
     EXPECT_EQ(repeated.track().arc_length().total(), once.track().arc_length().total());
     for (int frame = 0; frame <= move.frames; ++frame) {
       const PathPoint& point = repeated.table().point(frame);
@@ -361,7 +355,7 @@ TEST(HardCases, ALineThatTurnsBackIsTravelledBothWays) {
     move.frames = 100;
     expect_as_drawn(move);
     expect_right_or_refused_by_runge_kutta(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     int turns = 0;
     double direction = 1;
     for (int frame = 1; frame <= move.frames; ++frame) {
@@ -388,7 +382,7 @@ RandomMove there_and_back() {
 }
 
 TEST(HardCases, WhereALineTurnsBackTheInfiniteAccelerationIsReported) {
-  const SolvedTrack solution = solved(there_and_back());
+  const SolvedTrack solution = solve(there_and_back());
   std::uint8_t order{};
   const auto start = motion_at(solution, {0, 0}, &order);
   EXPECT_EQ(order, 1);
@@ -404,7 +398,7 @@ TEST(HardCases, WhereALineTurnsBackTheInfiniteAccelerationIsReported) {
 TEST(HardCases, ALineThatTurnsBackAtRestHasNothingToReport) {
   RandomMove move = there_and_back();
   move.speed = {0, 0, 0, 5, 0, 0, 0, 0, 0, 5, 0, 0, 0};
-  const SolvedTrack solution = solved(move);
+  const SolvedTrack solution = solve(move);
   for (const int frame : {0, 24, 48}) {
     std::uint8_t order{};
     const auto turn = motion_at(solution, {frame, 0}, &order);
@@ -423,7 +417,7 @@ TEST(HardCases, InADwellTheRigStandsStillToTheBit) {
     move.frames = 80;
     expect_as_drawn(move);
     expect_right_or_refused_by_runge_kutta(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     for (int frame = 31; frame <= 50; ++frame) {
       ASSERT_EQ(solution.table().point(frame), solution.table().point(30)) << frame;
       ASSERT_EQ(solution.track().locate({frame - 1, 0.7}), solution.table().point(30)) << frame;
@@ -440,7 +434,7 @@ TEST(HardCases, ADwellAtAnEndIsOnTheKeyToTheBit) {
     move.frames = 80;
     expect_as_drawn(move);
     expect_right_or_refused_by_runge_kutta(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     for (int frame = 0; frame <= 10; ++frame) {
       ASSERT_EQ(solution.table().point(frame), (PathPoint{0, 0})) << frame;
     }
@@ -459,7 +453,7 @@ TEST(HardCases, AClosedPathComesBackToItsBeginning) {
     move.keys.closed = true;
     expect_as_drawn(move);
     expect_right_or_refused_by_runge_kutta(move);
-    const SolvedTrack solution = solved(move);
+    const SolvedTrack solution = solve(move);
     const auto start = motion_at(solution, {0, 0});
     const auto end = motion_at(solution, {48, 0});
     EXPECT_EQ(solution.table().point(48), (PathPoint{5, 0}));
@@ -477,7 +471,7 @@ TEST(HardCases, TwoKeysClosedAreTravelledThereAndBack) {
     move.keys.closed = true;
     expect_as_drawn(move);
     expect_right_or_refused_by_runge_kutta(move);
-    const auto half = motion_at(solved(move), {24, 0});
+    const auto half = motion_at(solve(move), {24, 0});
     EXPECT_NEAR(half[0].position, 30, 1e-3);
     EXPECT_NEAR(half[1].position, 40, 1e-3);
   }
@@ -576,8 +570,8 @@ RandomMove mapped(RandomMove move, const std::function<long double(long double)>
 }
 
 void expect_same_table(const RandomMove& move, const RandomMove& plain, double tolerance) {
-  const SolvedTrack solution = solved(move);
-  const SolvedTrack expected = solved(plain);
+  const SolvedTrack solution = solve(move);
+  const SolvedTrack expected = solve(plain);
   for (std::int32_t frame = 0; frame <= move.frames; ++frame) {
     const PathPoint& point = solution.table().point(frame);
     const PathPoint& other = expected.table().point(frame);

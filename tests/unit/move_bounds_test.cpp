@@ -412,8 +412,7 @@ TEST(MoveBounds, TheEndOfThePathIsBoundedThoughTheLastFrameIsARoundingShortOfIt)
   move.keys.tension_continuity_bias = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0.99999L, 0, 0}};
   move.speed = {0.25, 0.25, 0.25, 0.5, 0.5, 3.5, 0, 0, 3, 0.25};
   move.frames = 1;
-  const TrackInput input(move);
-  const SolvedTrack solved(input.spec, Solver::closed_form);
+  const SolvedTrack solved = solve(move);
   const std::vector<AxisPeaks> peaks = peaks_of(solved.track());
   EXPECT_GE(peaks[1].acceleration.value, 1.411898e13) << "the oracle's";
   EXPECT_GE(peaks[2].acceleration.value, 9.47988926e13);
@@ -434,8 +433,7 @@ TEST(MoveBounds, ASharpTurnIsBoundedSoon) {
                                        {-0.549L, -0.217L, 0.503L},  {-0.494L, -0.758L, 0.144L}};
   move.speed = {1.75, 27.25, 71.75, 27.75, 50.5, 98.5, 0, 0};
   move.frames = 372;
-  const TrackInput input(move);
-  const SolvedTrack solved(input.spec, Solver::closed_form);
+  const SolvedTrack solved = solve(move);
   for (const AxisPeaks& axis : peaks_of(solved.track())) EXPECT_GT(axis.acceleration.value, 1e6);
 }
 
