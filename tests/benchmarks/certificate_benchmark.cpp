@@ -31,16 +31,7 @@ BENCHMARK_CAPTURE(prove, large, large)->Name("certificate/100x16")->Unit(benchma
 void bound_stops(benchmark::State& state, const MoveSize& size) {
   const SolvedTrack solution = solved_track(size);
   const Move move = Move::make({&solution.track(), 1}, {}).value();
-  const std::vector<AxisPeaks> peaks = BoundedMove(move, {&solution.track(), 1}).peaks();
-  std::vector<AxisLimits> limits;
-  for (const AxisPeaks& axis : peaks) {
-    limits.push_back(AxisLimits::make({.min = -1e4,
-                                       .max = 1e4,
-                                       .max_velocity = 1.25 * axis.velocity.value,
-                                       .max_acceleration = 1.25 * axis.acceleration.value,
-                                       .max_jerk = 1.25 * axis.jerk.value})
-                         .value());
-  }
+  const std::vector<AxisLimits> limits = limits_above(BoundedMove(move, {&solution.track(), 1}).peaks());
   const auto cells = static_cast<std::size_t>(size.frames);
   std::vector<StopCell> kept(cells + 1);
   for (auto _ : state) {

@@ -83,30 +83,31 @@ void tick(benchmark::State& state) {
 }
 BENCHMARK(tick)->Arg(3)->Arg(16);
 
-/// The places of all frames alone, in runs that share a span and a piece.
-void frames_in_runs(benchmark::State& state) {
+/// Calls `locate` with the track and the room for the places of its frames.
+template <class Locate>
+void locate_all(benchmark::State& state, const Locate& locate) {
   Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
   const Track track = subject.make_track();
   std::vector<PathPoint> points(static_cast<std::size_t>(subject.frames()) + 1);
   for (auto _ : state) {
-    track.locate_frames(0, points);
+    locate(track, points);
     benchmark::DoNotOptimize(points.data());
     benchmark::ClobberMemory();
   }
+}
+
+/// The places of all frames alone, in runs that share a span and a piece.
+void frames_in_runs(benchmark::State& state) {
+  locate_all(state, [](const Track& track, auto& points) { track.locate_frames(0, points); });
 }
 BENCHMARK(frames_in_runs)->Arg(240)->Arg(100'000);
 
 /// The same, each looked up by itself.
 void frames_one_by_one(benchmark::State& state) {
-  Subject subject = subject_of(static_cast<std::int32_t>(state.range(0)));
-  const Track track = subject.make_track();
-  std::vector<PathPoint> points(static_cast<std::size_t>(subject.frames()) + 1);
-  for (auto _ : state) {
+  locate_all(state, [](const Track& track, auto& points) {
     for (std::size_t i = 0; i < points.size(); ++i)
       points[i] = track.locate({static_cast<std::int32_t>(i), 0});
-    benchmark::DoNotOptimize(points.data());
-    benchmark::ClobberMemory();
-  }
+  });
 }
 BENCHMARK(frames_one_by_one)->Arg(240)->Arg(100'000);
 

@@ -1,17 +1,16 @@
 #include <benchmark/benchmark.h>
 
 #include <optional>
-#include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "host_tools/plan/bounded_move.hpp"
 #include "host_tools/plan/fitted_trajectory.hpp"
-#include "host_tools/plan/solved_track.hpp"
 #include "inbetween/limits/limits.hpp"
 #include "inbetween/limits/played_motion.hpp"
 #include "inbetween/play/playhead.hpp"
+#include "tests/benchmarks/solved_subject.hpp"
 
 /// A tick of a move that is played: where the playhead is, and the positions of all axes there.
 
@@ -26,20 +25,12 @@ class Subject {
  public:
   Subject(std::size_t keys, std::size_t axes)
       : axes_(axes),
-        solution_(solved(keys, axes)),
+        solution_(solved_track({keys, axes, keys, static_cast<std::int32_t>(24 * keys)}, true)),
         move_(Move::make({&solution_.track(), 1}, {}).value()),
         fitted_(solution_.track()),
         trajectory_(*fitted_),
         motion_(PlayedMotion::make(move_, {&trajectory_, 1}).value()) {
-    const std::vector<AxisPeaks> peaks = BoundedMove(move_, {&solution_.track(), 1}).peaks();
-    for (const AxisPeaks& axis : peaks) {
-      limits_.push_back(AxisLimits::make({.min = -1e4,
-                                          .max = 1e4,
-                                          .max_velocity = 1.25 * axis.velocity.value,
-                                          .max_acceleration = 1.25 * axis.acceleration.value,
-                                          .max_jerk = 1.25 * axis.jerk.value})
-                            .value());
-    }
+    limits_ = limits_above(BoundedMove(move_, {&solution_.track(), 1}).peaks());
     const auto cells = static_cast<std::size_t>(move_.frames());
     cells_.resize(cells + 1);
     std::vector<MotionTriple> room(axes);
@@ -60,23 +51,6 @@ class Subject {
   [[nodiscard]] const StopBounds& bounds() const { return *bounds_; }
 
  private:
-  static SolvedTrack solved(std::size_t keys, std::size_t axes) {
-    std::mt19937 random(1989);
-    std::uniform_real_distribution<double> coordinate(0.0, 100.0);
-    std::uniform_real_distribution<double> height(1.0, 20.0);
-    std::vector<double> at(keys * axes);
-    for (double& value : at) value = coordinate(random);
-    std::vector<double> speed(keys);
-    for (double& value : speed) value = height(random);
-    speed[0] = speed[1] = speed[keys - 2] = speed[keys - 1] = 0;
-    const TrackSpec spec{.path = {.axis_count = static_cast<std::int32_t>(axes), .keys = at},
-                         .control_values = speed,
-                         .frames = static_cast<std::int32_t>(24 * keys),
-                         .fps = {24, 1},
-                         .arc_length = {}};
-    return {spec, Solver::closed_form};
-  }
-
   std::size_t axes_;
   SolvedTrack solution_;
   Move move_;

@@ -37,11 +37,7 @@ void require_objects(const EdsFile& file) {
 }  // namespace inbetween
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes), size);
-  try {
-    inbetween::require_objects(inbetween::parse_eds(text, "any.eds", 5));
-  } catch (const inbetween::InputError& error) {
-    require_one_line(error, "any.eds");
-  }
-  return 0;
+  return inbetween::fuzz_text(bytes, size, "any.eds", [](std::string_view text, const char* file) {
+    inbetween::require_objects(inbetween::parse_eds(text, file, 5));
+  });
 }

@@ -49,11 +49,7 @@ void require_script(const FaultScript& script) {
 }  // namespace inbetween
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes), size);
-  try {
-    inbetween::require_script(inbetween::parse_fault_script(text, "any.toml", inbetween::rig()));
-  } catch (const inbetween::InputError& error) {
-    require_one_line(error, "any.toml");
-  }
-  return 0;
+  return inbetween::fuzz_text(bytes, size, "any.toml", [](std::string_view text, const char* file) {
+    inbetween::require_script(inbetween::parse_fault_script(text, file, inbetween::rig()));
+  });
 }

@@ -13,6 +13,7 @@
 #include "inbetween/can/servo_bus.hpp"
 #include "tests/fuzz/targets/drive_commands.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
+#include "tests/fuzz/targets/servo_bus_under_test.hpp"
 
 namespace inbetween::can {
 namespace {
@@ -151,15 +152,7 @@ class BusUnderTest {
     }
   }
 
-  std::vector<Drive> drives_{Drive::make(Motor::make(), {.max_step_turns = 1,
-                                                         .max_turns_per_s = 30,
-                                                         .hold_tolerance_turns = 0.5,
-                                                         .first_step_turns = 0.5,
-                                                         .max_following_error_turns = 2,
-                                                         .rest_turns = 0.1,
-                                                         .boot_timeout_ns = 400 * ms,
-                                                         .enable_timeout_ns = 400 * ms})
-                                 .value()};
+  std::vector<Drive> drives_{Drive::make(Motor::make(), fuzzed_servo).value()};
   Bus bus_ = Bus::make(drives_).value();
   bool has_ceased_ = false;  ///< since it was switched on
   std::int64_t now_ = 1;

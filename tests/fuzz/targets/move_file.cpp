@@ -83,11 +83,7 @@ void require_move(const MoveFile& move) {
 }  // namespace inbetween
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes), size);
-  try {
-    inbetween::require_move(inbetween::parse_move(text, "any.toml"));
-  } catch (const inbetween::InputError& error) {
-    require_one_line(error, "any.toml");
-  }
-  return 0;
+  return inbetween::fuzz_text(bytes, size, "any.toml", [](std::string_view text, const char* file) {
+    inbetween::require_move(inbetween::parse_move(text, file));
+  });
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 #include "host_tools/text/diagnostics.hpp"
@@ -16,3 +18,18 @@ inline void require_one_line(const inbetween::InputError& error, std::string_vie
     fuzz_require(byte >= 0x20 && byte != 0x7f, "a refusal has no control characters");
   }
 }
+
+namespace inbetween {
+
+/// Hands the bytes as a text, and the name of its file, to `read`, which refuses it in one line or returns.
+template <class Read>
+int fuzz_text(const std::uint8_t* bytes, std::size_t size, const char* file, const Read& read) {
+  try {
+    read(std::string_view(reinterpret_cast<const char*>(bytes), size), file);
+  } catch (const InputError& error) {
+    require_one_line(error, file);
+  }
+  return 0;
+}
+
+}  // namespace inbetween

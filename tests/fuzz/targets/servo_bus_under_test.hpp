@@ -16,6 +16,16 @@
 
 namespace inbetween::can {
 
+/// How every servo drive under test may go.
+inline constexpr ServoSettings fuzzed_servo{.max_step_turns = 1,
+                                            .max_turns_per_s = 30,
+                                            .hold_tolerance_turns = 0.5,
+                                            .first_step_turns = 0.5,
+                                            .max_following_error_turns = 2,
+                                            .rest_turns = 0.1,
+                                            .boot_timeout_ns = 400'000'000,
+                                            .enable_timeout_ns = 400'000'000};
+
 /// `Dialect` says how frames of the protocol look: a Protocol for each axis, any_frame, told (what a drive
 /// says every now and then), axis_of (none: not well formed), target_of and feeds.
 template <class Dialect>
@@ -49,17 +59,9 @@ class ServoBusUnderTest {
   static constexpr std::int64_t ms = 1'000'000;
 
   static std::vector<Drive> make_drives() {
-    const ServoSettings settings{.max_step_turns = 1,
-                                 .max_turns_per_s = 30,
-                                 .hold_tolerance_turns = 0.5,
-                                 .first_step_turns = 0.5,
-                                 .max_following_error_turns = 2,
-                                 .rest_turns = 0.1,
-                                 .boot_timeout_ns = 400 * ms,
-                                 .enable_timeout_ns = 400 * ms};
     std::vector<Drive> drives;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      drives.push_back(Drive::make(Dialect::protocol(axis), settings).value());
+      drives.push_back(Drive::make(Dialect::protocol(axis), fuzzed_servo).value());
     }
     return drives;
   }

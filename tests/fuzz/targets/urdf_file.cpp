@@ -51,11 +51,7 @@ void require_tree(const UrdfFile& file) {
 }  // namespace inbetween
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes), size);
-  try {
-    inbetween::require_tree(inbetween::parse_urdf(text, "any.urdf"));
-  } catch (const inbetween::InputError& error) {
-    require_one_line(error, "any.urdf");
-  }
-  return 0;
+  return inbetween::fuzz_text(bytes, size, "any.urdf", [](std::string_view text, const char* file) {
+    inbetween::require_tree(inbetween::parse_urdf(text, file));
+  });
 }
