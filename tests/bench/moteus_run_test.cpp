@@ -32,19 +32,9 @@ constexpr MoteusAxis moteus_axes[] = {{"slide", 0.02}, {"pan", -0.0277777778}, {
 std::string moteus_rig() {
   return in_checkout("examples/moteus_rig.toml");
 }
-BusScene moteus_scene(const BusSceneOptions& options = {}) {
-  BusSceneOptions all = options;
-  all.rig = moteus_rig();
-  return BusScene(all);
-}
-std::string moteus_fault(const std::string& axis, const std::string& what) {
-  return fmt::format("[[fault]]\naxis = \"{}\"\nwhat = {}\n", axis, what);
-}
-void expect_moteus_at_rest(const BusScene& scene, const char* state = "stopped") {
-  for (const MoteusAxis& axis : moteus_axes) {
-    EXPECT_EQ(scene.last_state(axis.name), state) << axis.name;
-    EXPECT_NEAR(scene.last_velocity(axis.name), 0, 1e-3) << axis.name;
-  }
+BusScene moteus_scene(BusSceneOptions options = {}) {
+  options.rig = moteus_rig();
+  return BusScene(options);
 }
 /// The tick of its record in which an axis is at the beginning of the plan: it holds its place before the
 /// move. Both are compared where they have gone a hundredth of the path.
@@ -62,7 +52,7 @@ std::size_t begin_of_plan(const BusScene& scene, const std::string& axis, double
 TEST(MoteusRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
   const BusScene scene = moteus_scene();
   ASSERT_EQ(scene.run.status, 0) << scene.run.err << scene.run.out;
-  expect_moteus_at_rest(scene);
+  scene.expect_all_stand(testing::Eq("stopped"));
   for (const MoteusAxis& axis : moteus_axes) {
     SCOPED_TRACE(axis.name);
     const std::vector<double> planned = planned_positions(axis.name);
@@ -82,7 +72,7 @@ TEST(MoteusRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
 TEST(MoteusFault, KilledInMotionTheDrivesBrakeByTheirOwnWatchdogs) {
   const BusScene scene = moteus_scene({.during = "sleep 7; kill -KILL $run"});
   EXPECT_EQ(scene.run.status, 128 + 9);
-  expect_moteus_at_rest(scene, "timeout");
+  scene.expect_all_stand(testing::Eq("timeout"));
   for (const MoteusAxis& axis : moteus_axes) {
     EXPECT_THAT(scene.emergencies(axis.name), testing::ElementsAre("010B")) << axis.name;
   }
@@ -90,12 +80,12 @@ TEST(MoteusFault, KilledInMotionTheDrivesBrakeByTheirOwnWatchdogs) {
 
 // docs/faults.md 29
 TEST(MoteusFault, ADriveWithoutAWatchdogIsRefusedAndNothingIsSwitchedOn) {
-  const BusScene scene = moteus_scene({.faults = moteus_fault("pan", "\"no-watchdog\"")});
+  const BusScene scene = moteus_scene({.faults = fault_text("pan", "no-watchdog")});
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
   EXPECT_THAT(scene.run.out,
               HasSubstr("axis \"pan\": the drive did not notice that this program was silent"));
-  for (const MoteusAxis& axis : moteus_axes) EXPECT_TRUE(scene.targets(axis.name).empty()) << axis.name;
-  expect_moteus_at_rest(scene);
+  scene.expect_no_targets();
+  scene.expect_all_stand(testing::Eq("stopped"));
 }
 
 TEST(MoteusFault, AnInterfaceWithoutCanFdIsRefusedWithTheRemedy) {
@@ -114,31 +104,18 @@ TEST(MoteusFault, AnInterfaceWithoutCanFdIsRefusedWithTheRemedy) {
 
 // docs/faults.md 17, 20, 21, 23, 24, 25
 TEST(MoteusFault, WhatIsWrongWithADriveInMotionStopsAllAndIsSaidInWords) {
-  struct Row {
-    const char* what;
-    const char* words;
-  };
-  for (const Row& row :
-       {Row{"\"lose-frames\"\ndirection = \"from-drive\"", "the drive has stopped telling where it is"},
-        Row{"\"emergency\"\ncode = 38", "the drive is in fault (fault 38: it is too hot)"},
-        Row{"\"reboot\"", "the drive has started anew"},
-        Row{"\"stick\"", "the axis is too far from its target"},
-        Row{"\"short-frames\"", "the drive has stopped telling where it is"},
-        Row{"\"foreign-sender\"", "somebody else sends what only this program may send"}}) {
-    SCOPED_TRACE(row.what);
-    const BusScene scene = moteus_scene({.faults = moteus_fault("pan", row.what) + "after_motion = 4\n"});
-    EXPECT_EQ(scene.run.status, 4) << scene.run.err;
-    EXPECT_THAT(scene.run.out, HasSubstr(std::string("axis \"pan\": ") + row.words));
-    for (const MoteusAxis& axis : moteus_axes) {
-      EXPECT_NEAR(scene.last_velocity(axis.name), 0, 1e-3) << axis.name;
-    }
-    const std::vector<double> planned = planned_positions("slide");
-    const std::vector<double> applied = scene.applied("slide");
-    ASSERT_FALSE(applied.empty());
-    const double part = (applied.back() - applied.front()) / 0.02 / (planned.back() - planned.front());
-    EXPECT_GT(part, 0.1);
-    EXPECT_LT(part, 0.95);
-  }
+  expect_faults_said(
+      moteus_rig(),
+      {{"lose-frames", "direction = \"from-drive\"", "the drive has stopped telling where it is"},
+       {"emergency", "code = 38", "the drive is in fault (fault 38: it is too hot)"},
+       {"reboot", "", "the drive has started anew"},
+       {"stick", "", "the axis is too far from its target"},
+       {"short-frames", "", "the drive has stopped telling where it is"},
+       {"foreign-sender", "", "somebody else sends what only this program may send"}},
+      [](const BusScene& scene) {
+        scene.expect_all_stand(testing::_);
+        scene.expect_part_of_path(0.02);
+      });
 }
 
 TEST(MoteusFault, TheDoctorTriesEveryDriveAndLeavesThemWithoutPower) {

@@ -1,6 +1,5 @@
 // A whole move over the kernel's CAN on geared motors, which are switched on by their first position: `run`
 // on one side, `sim-drives` on the other.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,19 +24,12 @@ constexpr double rmd_step = 1.0 / 36'000;
 constexpr Motor motors[] = {
     {"slide", 0.005, rmd_step}, {"pan", -0.0027777778, rmd_step}, {"tilt", 0.0027777778, 1e-4 / 360}};
 
-BusScene motor_scene(const BusSceneOptions& options = {}) {
-  BusSceneOptions all = options;
-  all.rig = in_checkout("examples/motor_rig.toml");
-  return BusScene(all);
-}
-std::string fault_of(const std::string& axis, const std::string& what) {
-  return fmt::format("[[fault]]\naxis = \"{}\"\nwhat = {}\n", axis, what);
+BusScene motor_scene(BusSceneOptions options = {}) {
+  options.rig = in_checkout("examples/motor_rig.toml");
+  return BusScene(options);
 }
 void expect_at_rest_without_power(const BusScene& scene) {
-  for (const Motor& motor : motors) {
-    EXPECT_THAT(scene.last_state(motor.axis), testing::AnyOf("off", "fault")) << motor.axis;
-    EXPECT_NEAR(scene.last_velocity(motor.axis), 0, 1e-3) << motor.axis;
-  }
+  scene.expect_all_stand(testing::AnyOf("off", "fault"));
 }
 
 TEST(MotorRun, TheMotorsOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
@@ -57,36 +49,28 @@ TEST(MotorFault, KilledInMotionTheMotorsStopByTheirOwnWatchdogsOrAtTheirLastPosi
   EXPECT_EQ(scene.run.status, 128 + 9);
   for (const char* axis : {"slide", "pan"}) EXPECT_EQ(scene.last_state(axis), "off") << axis;
   EXPECT_EQ(scene.last_state("tilt"), "position") << "it has no watchdog, and holds its last position";
-  for (const Motor& motor : motors) EXPECT_NEAR(scene.last_velocity(motor.axis), 0, 1e-3) << motor.axis;
+  scene.expect_all_stand(testing::_);
 }
 
 // docs/faults.md 29
 TEST(MotorFault, AMotorWithoutAWatchdogIsRefusedAndNothingIsSwitchedOn) {
-  const BusScene scene = motor_scene({.faults = fault_of("pan", "\"no-watchdog\"")});
+  const BusScene scene = motor_scene({.faults = fault_text("pan", "no-watchdog")});
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
   EXPECT_THAT(scene.run.out, AllOf(HasSubstr("axis \"pan\": the drive did not confirm the time after which"),
                                    HasSubstr("no_watchdog = \"accepted\"")));
-  for (const Motor& motor : motors) EXPECT_TRUE(scene.targets(motor.axis).empty()) << motor.axis;
+  scene.expect_no_targets();
 }
 
 // docs/faults.md 17, 20, 21, 23, 24, 25
 TEST(MotorFault, WhatIsWrongWithAMotorInMotionStopsAllAndIsSaidInWords) {
-  struct Row {
-    const char* what;
-    const char* words;
-  };
-  for (const Row& row :
-       {Row{"\"lose-frames\"\ndirection = \"from-drive\"", "the drive has stopped telling where it is"},
-        Row{"\"emergency\"\ncode = 0x2", "the drive is in fault (error 2h: its motor has stalled)"},
-        Row{"\"reboot\"", "the drive was silent for a while and may have started anew"},
-        Row{"\"stick\"", "the axis is too far from its target"},
-        Row{"\"foreign-sender\"", "somebody else sends what only this program may send"}}) {
-    SCOPED_TRACE(row.what);
-    const BusScene scene = motor_scene({.faults = fault_of("pan", row.what) + "after_motion = 4\n"});
-    EXPECT_EQ(scene.run.status, 4) << scene.run.err;
-    EXPECT_THAT(scene.run.out, HasSubstr(std::string("axis \"pan\": ") + row.words));
-    expect_at_rest_without_power(scene);
-  }
+  expect_faults_said(
+      in_checkout("examples/motor_rig.toml"),
+      {{"lose-frames", "direction = \"from-drive\"", "the drive has stopped telling where it is"},
+       {"emergency", "code = 0x2", "the drive is in fault (error 2h: its motor has stalled)"},
+       {"reboot", "", "the drive was silent for a while and may have started anew"},
+       {"stick", "", "the axis is too far from its target"},
+       {"foreign-sender", "", "somebody else sends what only this program may send"}},
+      expect_at_rest_without_power);
 }
 
 }  // namespace motor_run_test

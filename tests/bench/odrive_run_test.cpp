@@ -32,31 +32,19 @@ constexpr OdriveAxis axes[] = {{"slide", 0.04}, {"pan", -0.125}, {"tilt", 0.125}
 std::string odrive_rig() {
   return in_checkout("examples/odrive_rig.toml");
 }
-BusScene odrive_scene(const BusSceneOptions& options = {}) {
-  BusSceneOptions all = options;
-  all.rig = odrive_rig();
-  return BusScene(all);
-}
-std::string fault_of(const std::string& axis, const std::string& what) {
-  return fmt::format("[[fault]]\naxis = \"{}\"\nwhat = {}\n", axis, what);
+BusScene odrive_scene(BusSceneOptions options = {}) {
+  options.rig = odrive_rig();
+  return BusScene(options);
 }
 void expect_at_rest_without_power(const BusScene& scene) {
-  for (const OdriveAxis& axis : axes) {
-    EXPECT_THAT(scene.last_state(axis.name), testing::AnyOf("idle", "fault")) << axis.name;
-    EXPECT_NEAR(scene.last_velocity(axis.name), 0, 1e-3) << axis.name;
-  }
+  scene.expect_all_stand(testing::AnyOf("idle", "fault"));
 }
 /// The rig was on its way, and did not go on to its end.
 void expect_stopped_with(const BusScene& scene, const std::string& words) {
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
   EXPECT_THAT(scene.run.out, HasSubstr(words));
   expect_at_rest_without_power(scene);
-  const std::vector<double> planned = planned_positions("slide");
-  const std::vector<double> applied = scene.applied("slide");
-  ASSERT_FALSE(applied.empty());
-  const double part = (applied.back() - applied.front()) / 0.04 / (planned.back() - planned.front());
-  EXPECT_GT(part, 0.1);
-  EXPECT_LT(part, 0.95);
+  scene.expect_part_of_path(0.04);
 }
 
 TEST(OdriveRun, TheDrivesOwnRecordOfTheirTargetsIsThePlanAtEveryTick) {
@@ -81,12 +69,12 @@ TEST(OdriveRun, KilledInMotionTheDrivesStopByTheirOwnWatchdogs) {
 
 // docs/faults.md 29
 TEST(OdriveFault, ADriveWithoutAWatchdogIsRefusedAndNothingIsSwitchedOn) {
-  const BusScene scene = odrive_scene({.faults = fault_of("pan", "\"no-watchdog\"")});
+  const BusScene scene = odrive_scene({.faults = fault_text("pan", "no-watchdog")});
   EXPECT_EQ(scene.run.status, 4) << scene.run.err;
   EXPECT_THAT(scene.run.out,
               AllOf(HasSubstr("axis \"pan\": the drive did not notice that this program was silent"),
                     HasSubstr("switch its watchdog on")));
-  for (const OdriveAxis& axis : axes) EXPECT_TRUE(scene.targets(axis.name).empty()) << axis.name;
+  scene.expect_no_targets();
 }
 
 TEST(OdriveFault, ADriveOfTheOtherFamilyIsRefusedAndNothingIsSwitchedOn) {
@@ -103,33 +91,29 @@ TEST(OdriveFault, ADriveOfTheOtherFamilyIsRefusedAndNothingIsSwitchedOn) {
     EXPECT_EQ(scene.run.status, 4) << scene.run.err;
     EXPECT_THAT(scene.run.out, HasSubstr(fmt::format(
                                    "axis \"{}\": the drive has another firmware than the rig says", axis)));
-    for (const OdriveAxis& of : axes) EXPECT_TRUE(scene.targets(of.name).empty()) << of.name;
+    scene.expect_no_targets();
   }
 }
 
 // docs/faults.md 17, 20, 21, 23, 24, 25
 TEST(OdriveFault, WhatIsWrongWithADriveInMotionStopsAllAndIsSaidInWords) {
-  struct Row {
-    const char* what;
-    const char* words;
-  };
-  for (const Row& row :
-       {Row{"\"lose-frames\"\ndirection = \"from-drive\"", "the drive has stopped telling where it is"},
-        Row{"\"lose-heartbeat\"", "the heartbeat of the drive has stopped"},
-        Row{"\"emergency\"\ncode = 0x4000",
-            "the drive is in fault (error 4000h: its power stage is too hot)"},
-        Row{"\"reboot\"", "the drive has started anew"},
-        Row{"\"stick\"", "the axis is too far from its target"},
-        Row{"\"foreign-sender\"", "somebody else sends what only this program may send"}}) {
-    SCOPED_TRACE(row.what);
-    const BusScene scene = odrive_scene({.faults = fault_of("pan", row.what) + "after_motion = 4\n"});
-    expect_stopped_with(scene, std::string("axis \"pan\": ") + row.words);
-  }
+  expect_faults_said(
+      odrive_rig(),
+      {{"lose-frames", "direction = \"from-drive\"", "the drive has stopped telling where it is"},
+       {"lose-heartbeat", "", "the heartbeat of the drive has stopped"},
+       {"emergency", "code = 0x4000", "the drive is in fault (error 4000h: its power stage is too hot)"},
+       {"reboot", "", "the drive has started anew"},
+       {"stick", "", "the axis is too far from its target"},
+       {"foreign-sender", "", "somebody else sends what only this program may send"}},
+      [](const BusScene& scene) {
+        expect_at_rest_without_power(scene);
+        scene.expect_part_of_path(0.04);
+      });
 }
 
 // Somebody looks at it by its USB port.
 TEST(OdriveFault, OneThatAnotherProgramSwitchesOffIsToldSo) {
-  const BusScene scene = odrive_scene({.faults = fault_of("pan", "\"switched-off\"") + "after_motion = 4\n"});
+  const BusScene scene = odrive_scene({.faults = fault_text("pan", "switched-off", "after_motion = 4")});
   expect_stopped_with(scene, "axis \"pan\": somebody else has switched the drive off");
 }
 
@@ -177,7 +161,7 @@ TEST(OdriveRun, ADriveThatForgotItsTurnsIsNotBelieved) {
 
 TEST(OdriveRun, TheDoctorTriesEveryDriveAndNamesWhatIsWrong) {
   const TemporaryFolder folder;
-  std::ofstream(folder.path() / "faults.toml") << fault_of("tilt", "\"no-watchdog\"");
+  std::ofstream(folder.path() / "faults.toml") << fault_text("tilt", "no-watchdog");
   const ProgramRun run = script_in_bench(
       {"--vcan", "can0", "--virtual-time"},
       "cd '" + folder.path().string() + "'\necho -1 >/proc/sys/kernel/sched_rt_runtime_us\n" +

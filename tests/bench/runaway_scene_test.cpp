@@ -20,18 +20,10 @@ BusScene scene_on(const std::string& rig, const std::string& faults) {
   options.rig = in_checkout("examples/" + rig);
   return BusScene(options);
 }
-std::string fault(const std::string& axis, const std::string& what, const std::string& more) {
-  return fmt::format("[[fault]]\naxis = \"{}\"\nwhat = \"{}\"\n{}\n", axis, what, more);
-}
-const std::string blind = fault("pan", "blind", "after_motion = 4");
+const std::string blind = fault_text("pan", "blind", "after_motion = 4");
 
 void expect_no_power(const BusScene& scene) {
-  for (const char* axis : {"slide", "pan", "tilt"}) {
-    EXPECT_THAT(scene.last_state(axis),
-                testing::AnyOf("off", "idle", "stopped", "fault", "switch-on disabled"))
-        << axis;
-    EXPECT_NEAR(scene.last_velocity(axis), 0, 1e-3) << axis;
-  }
+  scene.expect_all_stand(testing::AnyOf("off", "idle", "stopped", "fault", "switch-on disabled"));
 }
 
 // docs/faults.md 52
@@ -41,7 +33,7 @@ void expect_power_goes_and_the_speed_is_said(const std::string& rig) {
     const bool is_cia402 = rig == "camera_rig.toml";
     const BusScene scene =
         scene_on(rig, (is_cia402 ? blind : "") +
-                          fault("pan", "run-away", fmt::format("speed = {}\nafter_motion = 4", speed)));
+                          fault_text("pan", "run-away", fmt::format("speed = {}\nafter_motion = 4", speed)));
     EXPECT_EQ(scene.run.status, 4) << scene.run.err;
     EXPECT_THAT(scene.run.out, HasSubstr("axis \"pan\": the axis is too far from its target"));
     EXPECT_THAT(scene.run.out, HasSubstr("axis \"pan\" still moved at"));
@@ -64,11 +56,11 @@ TEST(RunawayScene, OnAMotorWithItsOwnProtocolLosesItsPower) {
 
 // docs/faults.md 25, case 60
 TEST(RunawayScene, AnAxisThatStandsShortThoughItsDriveSaysNothingHasNotArrived) {
-  const BusScene early = scene_on("camera_rig.toml", blind + fault("pan", "stick", "after_motion = 4"));
+  const BusScene early = scene_on("camera_rig.toml", blind + fault_text("pan", "stick", "after_motion = 4"));
   EXPECT_EQ(early.run.status, 4) << early.run.err;
   EXPECT_THAT(early.run.out, HasSubstr("axis \"pan\": the axis is too far from its target"));
   early.expect_stop_on_path({"slide"}, 2.5);
-  const BusScene late = scene_on("camera_rig.toml", blind + fault("pan", "stick", "after_motion = 6.5"));
+  const BusScene late = scene_on("camera_rig.toml", blind + fault_text("pan", "stick", "after_motion = 6.5"));
   EXPECT_EQ(late.run.status, 4) << late.run.err;
   EXPECT_THAT(late.run.out, HasSubstr("axis \"pan\" has not arrived: it stands at"));
   late.expect_let_go();
@@ -79,7 +71,7 @@ TEST(RunawayScene, AMotorWithAnotherScaleIsStoppedAtOnce) {
   for (const char* ratio : {"0.01", "0.8", "1.25", "100", "-1"}) {
     SCOPED_TRACE(ratio);
     const BusScene scene =
-        scene_on("motor_rig.toml", fault("tilt", "other-scale", fmt::format("ratio = {}", ratio)));
+        scene_on("motor_rig.toml", fault_text("tilt", "other-scale", fmt::format("ratio = {}", ratio)));
     EXPECT_EQ(scene.run.status, 4) << scene.run.err;
     EXPECT_THAT(scene.run.out,
                 testing::AnyOf(HasSubstr("axis \"tilt\": the axis moves by more or less than it is told"),

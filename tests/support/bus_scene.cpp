@@ -223,6 +223,30 @@ void BusScene::expect_stop_on_path(const std::vector<std::string>& axes, double 
   }
 }
 
+void BusScene::expect_all_stand(const testing::Matcher<std::string>& state) const {
+  for (const char* axis : {"slide", "pan", "tilt"}) {
+    EXPECT_THAT(last_state(axis), state) << axis;
+    EXPECT_NEAR(last_velocity(axis), 0, 1e-3) << axis;
+  }
+}
+
+void BusScene::expect_no_targets() const {
+  for (const char* axis : {"slide", "pan", "tilt"}) EXPECT_TRUE(targets(axis).empty()) << axis;
+}
+
+void BusScene::expect_part_of_path(double scale) const {
+  const std::vector<double> planned = planned_positions("slide");
+  const std::vector<double> given = applied("slide");
+  ASSERT_FALSE(given.empty());
+  const double part = (given.back() - given.front()) / scale / (planned.back() - planned.front());
+  EXPECT_GT(part, 0.1);
+  EXPECT_LT(part, 0.95);
+}
+
+std::string fault_text(const std::string& axis, const std::string& what, const std::string& more) {
+  return fmt::format("[[fault]]\naxis = \"{}\"\nwhat = \"{}\"\n{}\n", axis, what, more);
+}
+
 std::vector<double> column_of(const std::string& csv, int column) {
   std::vector<double> values;
   std::istringstream lines(csv);

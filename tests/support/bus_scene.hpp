@@ -1,7 +1,10 @@
 // A move over the bench's CAN, `run` on one side and `sim-drives` on the other, and what the drives recorded.
 #pragma once
 
+#include <gmock/gmock.h>
+
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -57,6 +60,12 @@ struct BusScene {
   [[nodiscard]] std::vector<std::string> emergencies(const std::string& axis) const;
 
   void expect_rest() const;
+  /// slide, pan and tilt stand, in a state like that.
+  void expect_all_stand(const testing::Matcher<std::string>& state) const;
+  /// None of the three was told to go anywhere.
+  void expect_no_targets() const;
+  /// The slide, whose drive has `scale` of its units per axis unit, was on its way and did not go to its end.
+  void expect_part_of_path(double scale) const;
   /// Three seconds after `run` every axis rests without power and misses nothing that `run` would send. Those
   /// that had a fault of their own may show it.
   void expect_let_go(const std::vector<std::string>& in_fault = {}) const;
@@ -80,6 +89,27 @@ struct BusScene {
   std::map<std::string, std::vector<std::string>> emergencies_;
   std::int64_t fault_ns_ = 0;
 };
+
+/// A fault of a script, with further lines.
+std::string fault_text(const std::string& axis, const std::string& what, const std::string& more = "");
+
+/// What goes wrong with the drive of pan in motion, and what `run` says of it.
+struct FaultInMotion {
+  std::string what, more, words;
+};
+/// Each ends a run of this rig with its words. `judge` gets the scene.
+template <class Judge>
+void expect_faults_said(const std::string& rig, std::initializer_list<FaultInMotion> faults,
+                        const Judge& judge) {
+  for (const FaultInMotion& fault : faults) {
+    SCOPED_TRACE(fault.what);
+    const BusScene scene(
+        {.faults = fault_text("pan", fault.what, fault.more + "\nafter_motion = 4"), .rig = rig});
+    EXPECT_EQ(scene.run.status, 4) << scene.run.err;
+    EXPECT_THAT(scene.run.out, testing::HasSubstr("axis \"pan\": " + fault.words));
+    judge(scene);
+  }
+}
 
 /// Column `column` of CSV text without its first line.
 std::vector<double> column_of(const std::string& csv, int column);
