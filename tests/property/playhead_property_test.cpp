@@ -84,9 +84,7 @@ void play_at_random(const Plan& plan, const PlannedStops& stops, const CheckRepo
   const double tick_s = 1.0 / rate_hz;
   Playhead playhead(plan.played(), *stops.bounds(), rate_hz);
   RecordedPlay record(plan, *stops.bounds(), tick_s);
-  std::vector<double> steps;
-  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
-  record.allow_steps_at(steps);
+  record.allow_steps_of(report);
   std::optional<Exposure> wanted;
   RC_ASSERT(playhead.play(Direction::forward).has_value());
   for (int tick = 0; tick < ticks; ++tick) {
@@ -178,9 +176,7 @@ void play_gently(StagedMove& staged, const Plan& held_to, const CheckReport& rep
   Playhead& playhead = staged.playhead();
   const PlannedStops wide(staged.plan(), rate);
   RecordedPlay record(held_to, *wide.bounds(), 1.0 / held_to.rig()->rate_hz);
-  std::vector<double> steps;
-  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
-  record.allow_steps_at(steps);
+  record.allow_steps_of(report);
   StopWatch watch;
   RC_ASSERT(playhead.play(Direction::forward).has_value());
   for (int tick = 0; tick < ticks; ++tick) {

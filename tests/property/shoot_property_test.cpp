@@ -47,10 +47,8 @@ void shoot_at_random(StagedMove& staged, const ShootSpec& spec, const Plan& held
   const PlannedStops wide(staged.plan());
   RecordedPlay record(held_to, *wide.bounds(), tick_s);
   RecordedPlay still_record(held_to, *wide.bounds(), tick_s);
-  std::vector<double> steps;
-  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
-  record.allow_steps_at(steps);
-  still_record.allow_steps_at(steps);
+  record.allow_steps_of(report);
+  still_record.allow_steps_of(report);
   const std::int32_t frames = staged.plan().move().frames;
   std::vector<std::int32_t> shots(static_cast<std::size_t>(frames) + 1);
   FrameShoot shoot(spec, {.last = frames, .shots = shots, .rests = staged.rests()}, staged.playhead(),

@@ -22,15 +22,20 @@ namespace inbetween {
 /// record, in units of the axis. One that does not stop alone stays at its last position with power.
 template <class Kind>
 struct DriveInRig;
-template <>
-struct DriveInRig<Cia402Kind> {
-  static std::string text() { return cia402_text(3, 1000); }
+/// What most of them have.
+struct UsualDriveInRig {
   static std::string bus() { return bus_can0; }
+  static constexpr double resolution = 1e-5;
+  static constexpr const char* on = "position";
+  static constexpr bool stops_alone = true;
+};
+template <>
+struct DriveInRig<Cia402Kind> : UsualDriveInRig {
+  static std::string text() { return cia402_text(3, 1000); }
   static constexpr double resolution = 0.0005;
   static constexpr const char* on = "operation enabled";
   static constexpr std::int32_t fault = 0x7305;  ///< of a script, and as it is told
   static constexpr const char* fault_words = "7305h";
-  static constexpr bool stops_alone = true;
 };
 /// The same protocol in mode 7.
 struct InterpolatedKind : Cia402Kind {};
@@ -39,49 +44,37 @@ struct DriveInRig<InterpolatedKind> : DriveInRig<Cia402Kind> {
   static std::string text() { return cia402_text(3, 1000) + R"(, mode = "interpolated")"; }
 };
 template <>
-struct DriveInRig<OdriveKind> {
+struct DriveInRig<OdriveKind> : UsualDriveInRig {
   static std::string text() {
     return R"(type = "odrive", bus = "can0", node = 3, turns_per_unit = -0.25, firmware = "0.6")";
   }
-  static std::string bus() { return bus_can0; }
-  static constexpr double resolution = 1e-5;
   static constexpr const char* on = "closed loop";
   static constexpr std::int32_t fault = 0x20;  ///< of a script, and as it is told
   static constexpr const char* fault_words = "gate driver";
-  static constexpr bool stops_alone = true;
 };
 template <>
-struct DriveInRig<RmdKind> {
+struct DriveInRig<RmdKind> : UsualDriveInRig {
   static std::string text() { return R"(type = "rmd", bus = "can0", node = 3, turns_per_unit = -0.05)"; }
-  static std::string bus() { return bus_can0; }
   static constexpr double resolution = 0.0003;  // half a hundredth of a degree of the motor
-  static constexpr const char* on = "position";
-  static constexpr std::int32_t fault = 0x2;  ///< of a script, and as it is told
+  static constexpr std::int32_t fault = 0x2;    ///< of a script, and as it is told
   static constexpr const char* fault_words = "stalled";
-  static constexpr bool stops_alone = true;
 };
 template <>
-struct DriveInRig<CubemarsKind> {
+struct DriveInRig<CubemarsKind> : UsualDriveInRig {
   static std::string text() {
     return R"(type = "cubemars", bus = "can0", node = 3, turns_per_unit = -0.05, pole_pairs = 21, )"
            R"(gear = 6, no_watchdog = "accepted")";
   }
-  static std::string bus() { return bus_can0; }
-  static constexpr double resolution = 1e-5;
-  static constexpr const char* on = "position";
   static constexpr std::int32_t fault = 3;  ///< of a script, and as it is told
   static constexpr const char* fault_words = "error 3";
   static constexpr bool stops_alone = false;
 };
 template <>
-struct DriveInRig<MoteusKind> {
+struct DriveInRig<MoteusKind> : UsualDriveInRig {
   static std::string text() { return R"(type = "moteus", bus = "can0", node = 3, turns_per_unit = -0.25)"; }
   static std::string bus() { return bus_can0 + "data_bitrate = 5000000\n"; }
-  static constexpr double resolution = 1e-5;
-  static constexpr const char* on = "position";
   static constexpr std::int32_t fault = 33;  ///< of a script, and as it is told
   static constexpr const char* fault_words = "fault 33";
-  static constexpr bool stops_alone = true;
 };
 
 template <class Kind>

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "host_tools/check/check.hpp"
 #include "host_tools/check/planned_stops.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "inbetween/play/playhead.hpp"
@@ -20,8 +20,10 @@ class RecordedPlay {
  public:
   RecordedPlay(const Plan& plan, const StopBounds& bounds, double tick_s);
 
-  /// At these frames the acceleration may step: no jerk is compared across them.
-  void allow_steps_at(std::vector<double> frames) { steps_ = std::move(frames); }
+  /// Where the certificate lists a step of the acceleration there may be one: no jerk is compared across it.
+  void allow_steps_of(const CheckReport& report) {
+    for (const CheckedStep& step : report.steps) steps_.push_back(step.frame);
+  }
   /// Takes the place of the playhead after a tick (or before the first).
   void take(const Playhead& playhead);
   /// Forgets the setpoints so far: the next is not compared with them.

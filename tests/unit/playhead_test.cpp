@@ -197,13 +197,11 @@ TEST(Playhead, WhereTheAccelerationStepsOnlyTheListedStepsExceedTheJerk) {
       {});
   const CheckReport report = check(plan);
   ASSERT_TRUE(report.fits());
-  std::vector<double> steps;
-  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
-  ASSERT_EQ(steps.size(), 4U) << "two keys, two axes";
+  ASSERT_EQ(report.steps.size(), 4U) << "two keys, two axes";
   const PlannedStops stops(plan);
   Playhead playhead(plan.played(), *stops.bounds(), rate_hz);
   RecordedPlay record(plan, *stops.bounds(), tick_s);
-  record.allow_steps_at(steps);
+  record.allow_steps_of(report);
   ASSERT_TRUE(playhead.play(Direction::forward));
   int ticks = 0;
   for (; !playhead.is_resting(); ++ticks) {
