@@ -84,8 +84,11 @@ Result<MoveLength> length_of(std::span<const Track> tracks) {
 Result<Move> Move::make(std::span<const Track> tracks, const MoveRolls& rolls,
                         const std::optional<WholeFrames>& part) {
   const Result<MoveLength> length = length_of(tracks);
-  if (!length) return length.error();
-  const MoveLength& whole = *length;
+  return length ? make(*length, rolls, part) : length.error();
+}
+
+Result<Move> Move::make(const MoveLength& whole, const MoveRolls& rolls,
+                        const std::optional<WholeFrames>& part) {
   Move move(whole, rolls, part.value_or(WholeFrames{0, whole.frames}));
   if (move.part_.first < 0 || move.part_.first >= move.part_.last || move.part_.last > whole.frames) {
     return Error{.code = ErrorCode::out_of_range,

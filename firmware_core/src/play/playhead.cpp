@@ -109,6 +109,57 @@ Status Playhead::step(Direction direction) {
   return go_to(direction == Direction::forward ? from.frame + 1 : from.frame - (is_between ? 0 : 1));
 }
 
+Status Playhead::follow(std::span<const PlayheadPlace> places) {
+  if (!is_resting()) {
+    return Error{.code = ErrorCode::wrong_state, .what = "the move is running", .remedy = "stop it first"};
+  }
+  if (places.empty()) {
+    return Error{.code = ErrorCode::wrong_count,
+                 .what = "there is no place to follow",
+                 .remedy = "give the places of a playhead that has moved"};
+  }
+  PlayheadPlace last{time_, 0, 0};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool rests = places[i].rate == 0 && places[i].rate_change == 0;
+    if (!leads_to(last, places[i]) || (i + 1 == places.size() && !rests)) {
+      return Error{.code = ErrorCode::out_of_range,
+                   .what = "the places that are followed are not those of a playhead of this move",
+                   .remedy = "follow one of the same move, rig and tick",
+                   .frame = places[i].time.frame,
+                   .needed = static_cast<std::int64_t>(i)};
+    }
+    last = places[i];
+  }
+  followed_ = places;
+  state_ = PlayheadState::following;
+  return Done{};
+}
+
+/// What every way of moving on keeps: within V, no jump of time, and no jump of the rate or its change but at
+/// an end of the time line, where nothing moves at any rate. A tick may end one jerk and begin another.
+bool Playhead::leads_to(const PlayheadPlace& last, const PlayheadPlace& next) const {
+  constexpr double more = 1 + 1e-6;
+  const double side = next.rate != 0 ? std::copysign(1.0, next.rate) : 1.0;
+  if (!is_on_time_line(next.time) || !bounds_->permits(next.time, side * next.rate, side * next.rate_change))
+    return false;
+  const double jerk = std::max(bounds_->rate_jerk(last.time), bounds_->rate_jerk(next.time));
+  const double turn = jerk * tick_s_ * more;  // of the rate change
+  const double sway =
+      (std::max(std::fabs(last.rate_change), std::fabs(next.rate_change)) + turn) * tick_s_ * more;
+  const double step = seconds_between(last.time, next.time) / tick_s_;
+  const double rounding = 1e-9 * bounds_->rate();
+  if (!(step >= std::min(last.rate, next.rate) - sway - rounding &&
+        step <= std::max(last.rate, next.rate) + sway + rounding))
+    return false;
+  if (is_end(last.time) || is_end(next.time)) return true;
+  return std::fabs(next.rate - last.rate) <= sway + rounding &&
+         std::fabs(next.rate_change - last.rate_change) <= turn + rounding / tick_s_;
+}
+
+bool Playhead::is_end(const FrameTime& time) const {
+  return time == end_towards(Direction::backward) || time == end_towards(Direction::forward);
+}
+
 Status Playhead::set_override(double rate) {
   if (!(rate > 0 && rate <= bounds_->rate())) {
     return Error{.code = ErrorCode::out_of_range,
@@ -149,6 +200,8 @@ PlayheadEvent Playhead::tick() {
       return tick_ramp(sign_of(direction_) * override_);
     case PlayheadState::slowing:
       return tick_ramp(0);
+    case PlayheadState::following:
+      return tick_following();
     case PlayheadState::travelling:
       break;
   }
@@ -374,6 +427,19 @@ PlayheadEvent Playhead::tick_travel() {
   anchor_here();  // somebody may play on at this rate
   if (ticks == travel_.opening_tick) return PlayheadEvent::opened;
   return ticks == travel_.closing_tick ? PlayheadEvent::closed : PlayheadEvent::none;
+}
+
+PlayheadEvent Playhead::tick_following() {
+  const PlayheadPlace& place = followed_.front();
+  followed_ = followed_.subspan(1);
+  time_ = place.time;
+  rate_ = place.rate;
+  change_ = place.rate_change;
+  if (rate_ != 0) direction_ = rate_ > 0 ? Direction::forward : Direction::backward;
+  anchor_here();  // somebody may play on at this rate
+  if (!followed_.empty()) return PlayheadEvent::none;
+  rest();
+  return time_ == end_towards(direction_) ? PlayheadEvent::finished : PlayheadEvent::stopped;
 }
 
 /// A stop keeps at least the bounds of the distance that is left, and falls tick by tick, a little later than

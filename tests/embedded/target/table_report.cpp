@@ -145,7 +145,7 @@ void report_sizes() {
        {sizeof(Cubic), sizeof(ArcPiece), sizeof(TwoSum), sizeof(SpeedSpan), sizeof(PathPoint),
         sizeof(TrajectoryPiece), sizeof(CountTrajectoryPiece), sizeof(CountPolynomial), sizeof(Portion),
         sizeof(KeyInterval), sizeof(KeyLock), sizeof(FrameTime), sizeof(AxisMotion), sizeof(RollAxis),
-        sizeof(StopCell), sizeof(MotionTriple), sizeof(Playhead) - 4 * sizeof(void*)}) {
+        sizeof(StopCell), sizeof(MotionTriple), sizeof(Playhead) - 6 * sizeof(void*)}) {
     print(" ");
     print(static_cast<long long>(size));
   }

@@ -54,6 +54,9 @@ class Move {
   /// frames or frame rate). O(axes).
   static Result<Move> make(std::span<const Track> tracks, const MoveRolls& rolls,
                            const std::optional<WholeFrames>& part = std::nullopt);
+  /// The same where the tracks are not there any more, and their trajectories are.
+  static Result<Move> make(const MoveLength& whole, const MoveRolls& rolls,
+                           const std::optional<WholeFrames>& part = std::nullopt);
 
   [[nodiscard]] const MoveRolls& rolls() const { return rolls_; }
   [[nodiscard]] std::size_t axis_count() const { return whole_.axes; }

@@ -26,6 +26,7 @@ enum class PlayheadState : std::uint8_t {
   playing,     ///< towards an end, at its rate or on the way to it
   slowing,     ///< to rest, wherever that will be
   travelling,  ///< from rest to rest, to a frame
+  following,   ///< from rest to rest, where another playhead was tick by tick
 };
 
 /// The event of a tick.
@@ -47,6 +48,15 @@ enum class Direction : std::int8_t { backward = -1, forward = 1 };
 struct Exposure {
   FrameTime open, close;
   double seconds = 0;
+};
+
+/// The place of a playhead, and the rate at which time runs there.
+struct PlayheadPlace {
+  FrameTime time;
+  double rate = 0;         ///< Playhead::rate
+  double rate_change = 0;  ///< Playhead::rate_change
+
+  friend constexpr bool operator==(const PlayheadPlace&, const PlayheadPlace&) = default;
 };
 
 /// The stretch of the time line that an exposure in motion passes, from rest to rest.
@@ -111,6 +121,13 @@ class Playhead {
   /// the first tick at or after the end of the exposure (`closed`). Errors: those of go_to_run_up;
   /// wrong_state (not at its start).
   Status expose(const Exposure& exposure);
+  /// Plays again what another playhead did, to the last bit: the places where it was after each tick, up to
+  /// that where it rests (`finished` at the end of the time line, `stopped` elsewhere). On the way it is
+  /// stopped, turned and sent elsewhere as one that plays. Refers to the places until it is somewhere else.
+  /// Errors: wrong_state (not resting), wrong_count (no place), out_of_range, with frame, and `needed` the
+  /// number of the place, from 0: it is not on the time line, its rate or the change of that is not within
+  /// the bounds, a tick does not lead to it from the one before, the last does not rest. O(places).
+  Status follow(std::span<const PlayheadPlace> places);
   /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
   /// out_of_range (not in 0 < rate <= StopBounds::rate()).
   Status set_override(double rate);
@@ -162,6 +179,9 @@ class Playhead {
   [[nodiscard]] double top_travel_rate() const;
   [[nodiscard]] Result<Journey> journey_of(const Exposure& exposure) const;
   PlayheadEvent tick_travel();
+  [[nodiscard]] bool leads_to(const PlayheadPlace& last, const PlayheadPlace& next) const;
+  [[nodiscard]] bool is_end(const FrameTime& time) const;
+  PlayheadEvent tick_following();
   [[nodiscard]] bool travel_ends_like_a_stop() const;
   PlayheadEvent tick_ramp(double target);
   void change_to(double target);
@@ -200,6 +220,11 @@ class Playhead {
   std::int32_t cruise_frames_ = 0;
   std::int64_t cruise_phase_ = 0;  ///< ... and how far it has come since, in unit_ths of a frame
   Journey travel_;
+  std::span<const PlayheadPlace> followed_;  ///< that are left
 };
+
+inline PlayheadPlace place_of(const Playhead& playhead) {
+  return {playhead.time(), playhead.rate(), playhead.rate_change()};
+}
 
 }  // namespace inbetween

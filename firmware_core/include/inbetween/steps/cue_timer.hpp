@@ -23,16 +23,6 @@ struct TimedPulse {
   std::int32_t line = 0;
 };
 
-/// The place of a playhead, and the rate at which time runs there.
-struct PlayheadPlace {
-  FrameTime time;
-  double rate = 0;         ///< Playhead::rate
-  double rate_change = 0;  ///< Playhead::rate_change
-};
-inline PlayheadPlace place_of(const Playhead& playhead) {
-  return {playhead.time(), playhead.rate(), playhead.rate_change()};
-}
-
 /// The motion of the playhead in a tick, with its times.
 struct CueTick {
   PlayheadPlace from, to;
