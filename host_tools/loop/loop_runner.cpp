@@ -40,7 +40,16 @@ void LoopTrace::take(const RunLoop& loop, const LoopTask* act) {
     if (commands) axis.commanded = loop.setpoints()[i].position;
   }
   commanded_ = commands;
-  if (record_ != nullptr) record_->take(loop, act != nullptr ? act->frame() : std::nullopt);
+  for (TickSink* sink : sinks_) {
+    if (sink != nullptr) sink->take(loop, act);
+  }
+}
+
+void LoopTrace::press(LoopTask& act, TransportKey key) {
+  for (TickSink* sink : sinks_) {
+    if (sink != nullptr) sink->press(key);
+  }
+  act.press(key);
 }
 
 RunSnapshot LoopTrace::shown(const LoopTask& act) const {
@@ -61,14 +70,16 @@ ActEnd FastRunner::run(LoopTask& act, std::optional<std::int64_t> last) {
   if (audience_.progress && last) audience_.progress(0, *last);
   end.begun = act.begin();
   if (!end.begun) return end;
-  if (keys_.tells_releases()) act.press(TransportKey::tells_releases);
+  if (keys_.tells_releases()) trace_.press(act, TransportKey::tells_releases);
   while (!act.is_over()) {
     if (audience_.keys && !act.is_preparation()) keys_.feed(audience_.keys());
-    while (const std::optional<TransportKey> key = keys_.next()) act.press(allowed(*key, audience_));
-    if (audience_.device && !act.is_preparation()) {
-      for (const TransportKey key : audience_.device()) act.press(key);
+    while (const std::optional<TransportKey> key = keys_.next()) {
+      trace_.press(act, allowed(*key, audience_));
     }
-    if (audience_.interrupted && audience_.interrupted()) act.press(TransportKey::quit);
+    if (audience_.device && !act.is_preparation()) {
+      for (const TransportKey key : audience_.device()) trace_.press(act, key);
+    }
+    if (audience_.interrupted && audience_.interrupted()) trace_.press(act, TransportKey::quit);
     act.tick(1, time_of_tick(++tick_, rate_hz_));
     trace_.take(loop_, &act);
     ++end.ticks;
@@ -144,7 +155,7 @@ void TimedRunner::tick(std::int32_t ticks, std::int64_t now_ns) {
     trace_.take(loop_);
     return;
   }
-  while (const std::optional<TransportKey> key = typed_.pop()) act_->press(*key);
+  while (const std::optional<TransportKey> key = typed_.pop()) trace_.press(*act_, *key);
   act_->tick(ticks, now_ns);
   trace_.take(loop_, act_);
   ++end_.ticks;

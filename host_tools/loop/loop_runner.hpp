@@ -14,7 +14,7 @@
 #include "drivers/linux/telemetry_ring.hpp"
 #include "host_tools/loop/loop_task.hpp"
 #include "host_tools/loop/run_loop.hpp"
-#include "host_tools/loop/run_record.hpp"
+#include "host_tools/loop/tick_sink.hpp"
 #include "host_tools/loop/wake_latency.hpp"
 
 namespace inbetween {
@@ -51,20 +51,22 @@ struct AxisTrace : AxisPlace {
 /// The axes of a loop, tick by tick. Allocates only when it is made.
 class LoopTrace {
  public:
-  /// Every tick goes to `record` as well, if there is one.
-  explicit LoopTrace(std::size_t axes, RunRecord* record = nullptr) : axes_(axes), record_(record) {}
+  /// Every tick goes to the sinks as well.
+  explicit LoopTrace(std::size_t axes, const TickSinks& sinks = {}) : axes_(axes), sinks_(sinks) {}
   /// After a tick of an act, or of none. While setpoints are sent, an axis is as far behind as its actual
   /// position is from them.
   void take(const RunLoop& loop, const LoopTask* act = nullptr);
-  /// From now on every tick goes there, or nowhere. The loop's thread calls it.
-  void record_to(RunRecord* record) { record_ = record; }
+  /// Gives an act a key.
+  void press(LoopTask& act, TransportKey key);
+  /// From now on every tick goes there. The loop's thread calls it.
+  void record_to(const TickSinks& sinks) { sinks_ = sinks; }
   [[nodiscard]] const std::vector<AxisTrace>& axes() const { return axes_; }
   /// What the act shows, and the axes: the setpoint of each that its drive has answered, one tick old.
   [[nodiscard]] RunSnapshot shown(const LoopTask& act) const;
 
  private:
   std::vector<AxisTrace> axes_;
-  RunRecord* record_;
+  TickSinks sinks_;
   bool commanded_ = false;  ///< in the tick before
 };
 

@@ -79,7 +79,7 @@ RigSession::RigSession(const RigFile& rig, RigReference& reference, const Sessio
       storage_(rig.axes.size(), rig.axes.size()),
       loop_(drives_, lines_, storage_.memory()),
       record_(options.record ? std::make_unique<RunRecord>(*options.record, rig, options.fast) : nullptr),
-      trace_(rig.axes.size(), record_.get()) {
+      trace_(rig.axes.size(), {record_.get(), options.take}) {
   reference.place(drives_);
   start();
 }

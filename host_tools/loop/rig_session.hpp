@@ -44,6 +44,8 @@ struct SessionOptions {
   FaultScript faults = {};
   /// A line a tick goes there (run_record.hpp).
   std::optional<std::string> record = {};
+  /// Every tick goes there, which lasts longer.
+  TickSink* take = nullptr;
   /// Simulated: a line for each edge on a STEP line goes there (step_log.hpp).
   std::optional<std::string> steps = {};
   /// " --sim --positions FILE": the arguments by which another command has the same rig.

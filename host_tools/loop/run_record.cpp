@@ -13,11 +13,11 @@ RunRecord::RunRecord(const std::string& file, const RigFile& rig, bool waits)
       period_s_(1.0 / rig.rate_hz),
       log_(file, head_of(rig), waits, [this](const Tick& tick, std::string& text) { put(tick, text); }) {}
 
-void RunRecord::take(const RunLoop& loop, std::optional<double> frame) {
+void RunRecord::take(const RunLoop& loop, const LoopTask* act) {
   Tick tick;
   tick.number = number_++;
   tick.state = loop.state();
-  tick.frame = frame;
+  if (act != nullptr) tick.frame = act->frame();
   tick.is_told = loop.sends_setpoints();
   for (std::size_t i = 0; i < axes_; ++i) {
     tick.told[i] = loop.setpoints()[i].position;

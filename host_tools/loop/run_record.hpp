@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "host_tools/loop/run_loop.hpp"
+#include "host_tools/loop/tick_sink.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
 #include "host_tools/text/loop_log.hpp"
 
@@ -18,15 +18,13 @@ namespace inbetween {
 ///
 /// A disk that is full, slow or gone never holds the loop up (LoopLog): what finds no room is counted, and
 /// the file has a gap there, which its numbers show.
-class RunRecord {
+class RunRecord final : public TickSink {
  public:
   /// Throws std::runtime_error, one line that starts with the name, where the file cannot be opened, or is
   /// there already. `waits`: the loop has time, and waits for room instead.
   RunRecord(const std::string& file, const RigFile& rig, bool waits);
 
-  /// The loop's thread calls it after a tick. It allocates nothing and makes no system call unless it waits.
-  /// `frame`: see LoopTask.
-  void take(const RunLoop& loop, std::optional<double> frame);
+  void take(const RunLoop& loop, const LoopTask* act) override;
   /// Writes what is left; a reader that takes nothing for a second is given up. Records are ticks.
   LoopLogEnd finish() { return log_.finish("it was written more slowly than the rig moved"); }
 

@@ -178,7 +178,7 @@ class Run {
     if (const auto file = file_of(take)) {
       take_record_ = std::make_unique<RunRecord>(*file, session_.rig(), session_.options().fast);
     }
-    transport.take_is_ready(session_.trace(), take_record_.get());
+    transport.take_is_ready(session_.trace(), {take_record_.get()});
   }
 
   void close_take(bool is_whole) {

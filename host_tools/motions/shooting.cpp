@@ -111,7 +111,10 @@ void Shooting::look_at(std::int32_t frame) {
 }
 
 void Shooting::tick(std::int32_t ticks, std::int64_t now_ns) {
+  const bool moves = loop_.state() == SupervisorState::running || loop_.state() == SupervisorState::stopping;
   const LoopTick result = loop_.tick(ticks, now_ns);
+  played_.reset();
+  if (moves && loop_.sends_setpoints()) played_ = {place_of(*spec_.playhead), 0};
   keys_.note(result);
   if (result.state != SupervisorState::running) {
     if (shoot_.camera()) {

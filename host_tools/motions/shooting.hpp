@@ -70,6 +70,8 @@ class Shooting final : public LoopTask {
   [[nodiscard]] std::int64_t exposures() const { return shoot_.exposures(); }
   [[nodiscard]] ShootCount count() const;
   [[nodiscard]] RunSnapshot snapshot() const override;
+  /// Of axes that stand still during exposures the setpoints are those of another place.
+  [[nodiscard]] std::optional<PlayedPlace> played() const override { return played_; }
   [[nodiscard]] std::optional<double> frame() const override {
     return spec_.playhead->time().frame + spec_.playhead->time().fraction;
   }
@@ -91,6 +93,7 @@ class Shooting final : public LoopTask {
   PlaceEntry entry_;
   ShootingLines lines_;
   std::int64_t cut_off_ = 0;
+  std::optional<PlayedPlace> played_ = {};
 };
 
 }  // namespace inbetween

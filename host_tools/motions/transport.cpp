@@ -32,7 +32,18 @@ Status Transport::start() {
   goes_home_ = false;
   if (is_at_start()) turns_gone_ = 0;
   use_rate(asked_rate_);
-  return loop_.start(direction_);
+  return is_at_start() && !lines_.followed.empty() ? follow() : loop_.start(direction_);
+}
+
+Status Transport::follow() {
+  if (const Status begun = loop_.begin(); !begun) return begun;
+  return playhead_.follow(lines_.followed);
+}
+
+/// What is followed may rest anywhere, and is over there.
+void Transport::end_following() {
+  static_cast<void>(loop_.finish());
+  end_take(true);
 }
 
 /// A rig that cannot begin, because it does not stand any more where it did, ends the take at once.
@@ -40,7 +51,7 @@ void Transport::begin_take() {
   take_ = Take::playing;
   was_whole_ = false;
   direction_ = Direction::forward;
-  trace_->record_to(record_);
+  trace_->record_to(sinks_);
   keys_.begun();
   if (lines_.start) {
     is_waiting_ = true;
@@ -58,9 +69,9 @@ void Transport::end_take(bool is_whole) {
   take_ = Take::ended;
 }
 
-void Transport::take_is_ready(LoopTrace& trace, RunRecord* record) {
+void Transport::take_is_ready(LoopTrace& trace, const TickSinks& sinks) {
   trace_ = &trace;
-  record_ = record;
+  sinks_ = sinks;
   ask_ = Ask::none;
 }
 
@@ -73,7 +84,7 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   now_ns_ = now_ns;
   look_at_arrow();
   if (take_ == Take::ended) {  // its last tick is in its record
-    trace_->record_to(nullptr);
+    trace_->record_to({});
     take_ = Take::closed;
   }
   // A stop of the rig ends the waiting.
@@ -84,10 +95,15 @@ void Transport::tick(std::int32_t ticks, std::int64_t now_ns) {
   PlayheadPlace from = place_of(playhead_);
   // A pulse at the place to which it was carried has begun a turn further on.
   if (was_carried_) from.time.fraction = std::nextafter(from.time.fraction, 2.0);
+  const bool follows = playhead_.state() == PlayheadState::following;
+  const bool moves = loop_.state() == SupervisorState::running || loop_.state() == SupervisorState::stopping;
   const LoopTick result = loop_.tick(ticks, now_ns);
-  note(result);
   const bool repeats = result.event == PlayheadEvent::repeated;
   if (repeats) ++turns_gone_;
+  played_.reset();
+  if (moves && loop_.sends_setpoints()) played_ = {place_of(playhead_), turns_gone_};
+  note(result);
+  if (follows && playhead_.is_resting()) end_following();
   if (result.event == PlayheadEvent::arrived) keys_.say("");
   if (lines_.cues != nullptr) {
     lines_.cues->tick(
@@ -146,7 +162,7 @@ void Transport::note(const LoopTick& tick) {
     if (is_back_) keys_.say("back at the beginning: Enter plays, q leaves");
   }
   if (!has_takes_) return;
-  if (keys_.has_left() && trace_ != nullptr) trace_->record_to(nullptr);
+  if (keys_.has_left() && trace_ != nullptr) trace_->record_to({});
   // Between takes it rests wherever somebody has gone.
   const bool has_gone = keys_.is_running() && take_ != Take::playing && playhead_.is_resting();
   if (has_gone && !sets_off_) static_cast<void>(loop_.finish());
@@ -315,9 +331,9 @@ bool Transport::press_arrow(TransportKey key) {
 /// A move that plays is paused first.
 bool Transport::can_step() {
   if (!can_go()) return false;
-  const bool plays = playhead_.state() == PlayheadState::playing;
-  const bool is_there = !plays && (keys_.is_running() || is_between_takes());
-  if (!is_there) keys_.say(plays ? "space pauses it first" : "nothing runs");
+  const bool plays_now = plays();
+  const bool is_there = !plays_now && (keys_.is_running() || is_between_takes());
+  if (!is_there) keys_.say(plays_now ? "space pauses it first" : "nothing runs");
   if (!is_there || !is_on_path()) return false;
   goes_home_ = false;
   return true;

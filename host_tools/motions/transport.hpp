@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "host_tools/loop/key_hold.hpp"
@@ -23,6 +24,8 @@ struct TransportLines {
   StartSignal start = {};      ///< the move is begun and waits for it
   std::optional<PlayedTurns> turns = {};
   std::vector<double> key_frames = {};  ///< on which the keys are met to which somebody may go
+  /// From the beginning it does what another playhead did (Playhead::can_follow), instead of playing.
+  std::span<const PlayheadPlace> followed = {};
 };
 
 /// Plays a move in a loop, once, or take after take. Refers to all of them. Allocates nothing.
@@ -75,8 +78,8 @@ class Transport final : public LoopTask {
 
   void play_takes() { has_takes_ = true; }
   [[nodiscard]] Ask asks() const { return ask_; }
-  /// Every tick of the take goes to `record`, if there is one, by the trace of the loop.
-  void take_is_ready(LoopTrace& trace, RunRecord* record);
+  /// Every tick of the take goes to the sinks, by the trace of the loop.
+  void take_is_ready(LoopTrace& trace, const TickSinks& sinks);
   /// What was asked for is done.
   void take_is_noted();
   /// The take that ended was played to its last frame.
@@ -85,6 +88,7 @@ class Transport final : public LoopTask {
   [[nodiscard]] RunSnapshot snapshot() const override;
   /// Of the turn that is played, where turns are.
   [[nodiscard]] std::optional<double> frame() const override { return frame_of_turn(); }
+  [[nodiscard]] std::optional<PlayedPlace> played() const override { return played_; }
   /// The turn that it is in, or was stopped in; nothing where nothing is repeated.
   [[nodiscard]] std::optional<TurnSnapshot> turn() const;
 
@@ -118,6 +122,11 @@ class Transport final : public LoopTask {
   void end_take(bool is_whole);
   void begin_take();
   void note(const LoopTick& tick);
+  Status follow();
+  void end_following();
+  [[nodiscard]] bool plays() const {
+    return playhead_.state() == PlayheadState::playing || playhead_.state() == PlayheadState::following;
+  }
   [[nodiscard]] std::optional<double> seconds_left(double frame) const;
   [[nodiscard]] bool is_at_end() const {
     return loop_.state() == SupervisorState::ready && !keys_.was_stopped() && !is_waiting_ && !is_back_;
@@ -140,6 +149,7 @@ class Transport final : public LoopTask {
   bool goes_home_ = false;
   std::int64_t turns_gone_ = 0;  ///< by which the playhead was carried back, or that it has repeated
   bool was_carried_ = false;     ///< after the last tick
+  std::optional<PlayedPlace> played_ = {};
 
   PlaceEntry entry_;
   std::optional<FrameTime> goal_ = {};    ///< in the turn, to which it was asked to go
@@ -156,7 +166,7 @@ class Transport final : public LoopTask {
   Ask ask_ = Ask::none;
   bool was_whole_ = false;
   LoopTrace* trace_ = nullptr;
-  RunRecord* record_ = nullptr;
+  TickSinks sinks_{};
 };
 
 }  // namespace inbetween

@@ -118,6 +118,14 @@ Status Playhead::follow(std::span<const PlayheadPlace> places) {
                  .what = "there is no place to follow",
                  .remedy = "give the places of a playhead that has moved"};
   }
+  followed_ = places;
+  state_ = PlayheadState::following;
+  return Done{};
+}
+
+Status Playhead::can_follow(std::span<const PlayheadPlace> places) const {
+  Playhead tried = *this;
+  if (const Status possible = tried.follow(places); !possible) return possible;
   PlayheadPlace last{time_, 0, 0};
   for (std::size_t i = 0; i < places.size(); ++i) {
     const bool rests = places[i].rate == 0 && places[i].rate_change == 0;
@@ -130,8 +138,6 @@ Status Playhead::follow(std::span<const PlayheadPlace> places) {
     }
     last = places[i];
   }
-  followed_ = places;
-  state_ = PlayheadState::following;
   return Done{};
 }
 
@@ -142,7 +148,13 @@ bool Playhead::leads_to(const PlayheadPlace& last, const PlayheadPlace& next) co
   const double side = next.rate != 0 ? std::copysign(1.0, next.rate) : 1.0;
   if (!is_on_time_line(next.time) || !bounds_->permits(next.time, side * next.rate, side * next.rate_change))
     return false;
-  const double jerk = std::max(bounds_->rate_jerk(last.time), bounds_->rate_jerk(next.time));
+  // As far as the tick might have reached: see follow_to.
+  const double here = bounds_->rate_jerk(last.time);
+  const double reach =
+      std::fabs(last.rate) + std::fabs(last.rate_change) * tick_s_ / 2 + here * tick_s_ * tick_s_ / 6;
+  const FrameTime ahead =
+      moved_by(last.time, std::copysign(reach * tick_s_ * fps_, last.rate != 0 ? last.rate : side));
+  const double jerk = std::max({here, bounds_->rate_jerk(ahead), bounds_->rate_jerk(next.time)});
   const double turn = jerk * tick_s_ * more;  // of the rate change
   const double sway =
       (std::max(std::fabs(last.rate_change), std::fabs(next.rate_change)) + turn) * tick_s_ * more;

@@ -124,10 +124,13 @@ class Playhead {
   /// Plays again what another playhead did, to the last bit: the places where it was after each tick, up to
   /// that where it rests (`finished` at the end of the time line, `stopped` elsewhere). On the way it is
   /// stopped, turned and sent elsewhere as one that plays. Refers to the places until it is somewhere else.
-  /// Errors: wrong_state (not resting), wrong_count (no place), out_of_range, with frame, and `needed` the
-  /// number of the place, from 0: it is not on the time line, its rate or the change of that is not within
-  /// the bounds, a tick does not lead to it from the one before, the last does not rest. O(places).
+  /// Domain: what can_follow() from here. Errors: wrong_state (not resting), wrong_count (no place). O(1).
   Status follow(std::span<const PlayheadPlace> places);
+  /// Whether that keeps the bounds, from where the playhead rests. Errors: those of follow; out_of_range,
+  /// with frame, and `needed` the number of the place, from 0: it is not on the time line, its rate or the
+  /// change of that is not within the bounds, a tick does not lead to it from the one before, the last does
+  /// not rest. O(places).
+  [[nodiscard]] Status can_follow(std::span<const PlayheadPlace> places) const;
   /// Sets the rate of playing, as a share of the drawn speed. A running playhead changes to it. Errors:
   /// out_of_range (not in 0 < rate <= StopBounds::rate()).
   Status set_override(double rate);
