@@ -1,6 +1,7 @@
 // A take: a run that was kept, as plain data.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@ struct TakeAxis {
   /// Actual positions are kept as whole numbers of this, in the unit of the axis: a count of its drive where
   /// it has counts, and otherwise so small that half of it is no error that anybody measures.
   double resolution = 0;
+  std::optional<std::size_t> move_axis = {};  ///< through the tracks; absent: in no track
 };
 
 /// What happened in a tick, in words: a change of state, a fault, a pulse, a key that was pressed.
@@ -51,6 +53,10 @@ struct TakeInfo {
   FrameRate frame_rate = {};
   std::int32_t frames = 0;      ///< N of the move
   WholeFrames part = {};        ///< the frames that were to be played
+  std::int32_t turns = 0;       ///< of a periodic move, planned as one; 0: it was no such
+  bool is_repeated = false;     ///< over its end and its beginning, until somebody stopped it
+  bool is_shot = false;         ///< frame by frame
+  double top_rate = 1;          ///< up to which stops were proven
   std::int64_t ticks = 0;       ///< that are kept
   std::int64_t lost_ticks = 0;  ///< that found no room in the ring or on the disk
   std::int64_t bytes = 0;       ///< that it takes in the file
@@ -63,12 +69,17 @@ struct TakeTick {
   /// Where the move was on its time line, as the playhead had it, bit for bit: with the trajectory it is what
   /// was commanded. Nothing while no move is played.
   std::optional<FrameTime> time = {};
-  std::int64_t turn = 0;            ///< of a move that goes round, by which the playhead was carried back
-  std::vector<double> actual = {};  ///< of every axis of the rig, in its unit
+  double rate = 0, rate_change = 0;  ///< of the playhead there (Playhead::rate)
+  std::int64_t turn = 0;             ///< of a move that goes round, by which the playhead was carried back
+  std::vector<double> told = {};     ///< setpoint of every axis of the rig; empty: none was sent
+  std::vector<double> actual = {};   ///< of every axis of the rig, in its unit
+
+  friend bool operator==(const TakeTick&, const TakeTick&) = default;
 };
 
 struct Take : TakeInfo {
   std::vector<TakeFile> files;
+  std::string trajectory;  ///< what was played (taken_motion.hpp)
   std::vector<TakeAxis> axes;
   std::vector<TakeTick> ticks_of_take;
   std::vector<TakeEvent> events;

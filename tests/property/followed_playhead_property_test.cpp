@@ -100,7 +100,7 @@ void refuses_what_no_playhead_does(const Plan& plan, const Playhead& playhead,
   cut[at].time = moved_by(cut[at].time, 3);
   RC_ASSERT(!playhead.can_follow(cut).has_value());
   cut = places;
-  cut[at].rate = -cut[at].rate - 0.25;
+  cut[at].rate += cut[at].rate > 0.3 ? -0.6 : 0.6;
   RC_ASSERT(!playhead.can_follow(cut).has_value());
   places.resize(at);
   const PlayheadPlace& last = places.back();
