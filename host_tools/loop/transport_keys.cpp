@@ -182,4 +182,75 @@ std::optional<TransportKey> TransportKeys::next() {
   return key;
 }
 
+const char* name_of(TransportKey key) {
+  switch (key) {
+    case TransportKey::pause:
+      return "space";
+    case TransportKey::step_forward:
+      return "right";
+    case TransportKey::step_backward:
+      return "left";
+    case TransportKey::home:
+      return "Home";
+    case TransportKey::reverse:
+      return "r";
+    case TransportKey::faster:
+      return "+";
+    case TransportKey::slower:
+      return "-";
+    case TransportKey::stop:
+      return "Esc";
+    case TransportKey::acknowledge:
+      return "a";
+    case TransportKey::start:
+      return "Enter";
+    case TransportKey::expose:
+      return "e";
+    case TransportKey::size_1:
+      return "1";
+    case TransportKey::size_2:
+      return "2";
+    case TransportKey::size_3:
+      return "3";
+    case TransportKey::size_4:
+      return "4";
+    case TransportKey::size_5:
+      return "5";
+    case TransportKey::digit_0:
+      return "0";
+    case TransportKey::digit_6:
+      return "6";
+    case TransportKey::digit_7:
+      return "7";
+    case TransportKey::digit_8:
+      return "8";
+    case TransportKey::digit_9:
+      return "9";
+    case TransportKey::erase:
+      return "Backspace";
+    case TransportKey::go_to_frame:
+      return "g";
+    case TransportKey::go_to_key:
+      return "k";
+    case TransportKey::quit:
+      return "q";
+    case TransportKey::hold_forward:
+    case TransportKey::repeat_forward:
+      return "right, held";
+    case TransportKey::hold_backward:
+    case TransportKey::repeat_backward:
+      return "left, held";
+    case TransportKey::let_go:
+      return "let go";
+    case TransportKey::device_gone:
+      return "the device is gone";
+    case TransportKey::detent_forward:
+      return "wheel forward";
+    case TransportKey::detent_backward:
+      return "wheel backward";
+    default:
+      return "";
+  }
+}
+
 }  // namespace inbetween

@@ -55,6 +55,8 @@ enum class TransportKey {
 
 /// 1 for an arrow or a detent that goes forward, however it is told, -1 for backward, 0 for any other key.
 int direction_of(TransportKey key);
+/// "space", "Esc": how a person calls it; "" for what a terminal tells without a key.
+const char* name_of(TransportKey key);
 
 /// From the bytes that a terminal sends, also by kitty's keyboard protocol, which tells of right, left, + and
 /// - when they are repeated and let go, and xterm's reports of a wheel (RunScreen asks for both). Other keys

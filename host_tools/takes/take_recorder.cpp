@@ -1,0 +1,175 @@
+#include "host_tools/takes/take_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+constexpr std::chrono::milliseconds between_looks_for_ticks{5};
+/// Where a drive has no whole counts an axis is kept in so much finer ones than its positions are apart.
+constexpr double finer = 1.0 / 64;
+
+}  // namespace
+
+TakeAxis take_axis_of(const RigAxis& axis, std::optional<std::size_t> move_axis) {
+  // Behind a calibration the axis goes as far in a count of its motor as that says.
+  const bool has_counts = !turns_per_unit_of(axis.drive) && !axis.calibration;
+  return {.name = axis.name,
+          .unit = std::string(to_string(axis.unit)),
+          .resolution = count_of(axis.drive) * (has_counts ? 1 : finer),
+          .move_axis = move_axis};
+}
+
+TakeRecorder::TakeRecorder(const TakeKeeping& keeping, const Take& take)
+    : keeping_(keeping),
+      axes_(take.axes.size()),
+      store_(keeping.file, TakeStore::Access::write),
+      motion_(TakenMotion::read(take.trajectory)),
+      ticks_of_chunk_(std::max(take.rate_hz, 1)) {
+  if (!motion_) throw std::logic_error("what is played is not what was made of it");
+  encoder_.emplace(TickShape{.axes = take.axes,
+                             .motion = &motion_->motion(),
+                             .frame_rate = take.frame_rate,
+                             .rate_hz = take.rate_hz});
+  kept_.file = keeping.file;
+  kept_.number = store_.begin(take);
+  thread_ = std::thread([this] { live(); });
+}
+
+TakeRecorder::~TakeRecorder() {
+  leaves_.store(true);
+  if (thread_.joinable()) thread_.join();
+}
+
+void TakeRecorder::take(const RunLoop& loop, const LoopTask* act) {
+  Tick tick;
+  tick.number = number_++;
+  tick.state = loop.state();
+  tick.is_told = loop.sends_setpoints();
+  if (act != nullptr) {
+    if (const std::optional<PlayedPlace> played = act->played()) {
+      tick.is_played = true;
+      tick.played = *played;
+      has_played_ = true;
+    }
+  }
+  for (std::size_t a = 0; a < axes_; ++a) {
+    tick.told[a] = loop.setpoints()[a].position;
+    tick.actual[a] = loop.drive_states()[a].actual;
+  }
+  while (!ring_->push(tick) && keeping_.waits) std::this_thread::sleep_for(between_looks_for_ticks);
+}
+
+/// A key too many is counted by the ring, and of no use to anybody.
+void TakeRecorder::press(TransportKey key) {
+  keys_->push({number_, key});
+}
+
+// --- the writing thread
+
+void TakeRecorder::live() {
+  for (;;) {
+    const bool leaves = leaves_.load();
+    while (const std::optional<Tick> tick = ring_->pop()) {
+      if (why_.empty()) encode(*tick);
+    }
+    take_keys();
+    if (leaves) break;
+    std::this_thread::sleep_for(between_looks_for_ticks);
+  }
+}
+
+void TakeRecorder::take_keys() {
+  while (const std::optional<Key> key = keys_->pop()) {
+    const char* const words = name_of(key->key);
+    if (*words != '\0') events_.push_back({key->tick, TakeEvent::Kind::key, words});
+  }
+}
+
+void TakeRecorder::encode(const Tick& tick) {
+  if (tick.number == 0 || tick.state != state_) {
+    events_.push_back({tick.number, TakeEvent::Kind::state, name_of(tick.state)});
+    state_ = tick.state;
+  }
+  tick_.number = tick.number;
+  tick_.state = tick.state;
+  tick_.time.reset();
+  tick_.rate = tick_.rate_change = 0;
+  if (tick.is_played) {
+    tick_.time = tick.played.at.time;
+    tick_.rate = tick.played.at.rate;
+    tick_.rate_change = tick.played.at.rate_change;
+    tick_.turn = tick.played.turn;
+  }
+  const auto axes = static_cast<std::ptrdiff_t>(axes_);
+  tick_.told.assign(tick.told.begin(), tick.told.begin() + (tick.is_told ? axes : 0));
+  tick_.actual.assign(tick.actual.begin(), tick.actual.begin() + axes);
+  encoder_->add(tick_);
+  if (encoder_->ticks() >= ticks_of_chunk_) write_chunk();
+}
+
+void TakeRecorder::write_chunk() {
+  const std::int64_t first = encoder_->first(), ticks = encoder_->ticks();
+  const TakeChunk chunk{.first = first, .ticks = ticks, .bytes = encoder_->take_chunk()};
+  const std::int64_t lost = std::max<std::int64_t>(0, chunk.first - written_);
+  try {
+    store_.append(kept_.number, chunk, events_, lost);
+    written_ += chunk.ticks;
+    events_.clear();
+    make_room();
+  } catch (const TakeStoreError& error) {
+    why_ = error.message();
+  }
+}
+
+/// A take that is too large ends, rather than that it is larger than was allowed.
+void TakeRecorder::make_room() {
+  if (!keeping_.max_bytes || store_.used_bytes() <= *keeping_.max_bytes) return;
+  for (const std::int64_t gone : store_.prune(*keeping_.max_bytes, kept_.number))
+    kept_.forgotten.push_back(gone);
+  if (store_.used_bytes() <= *keeping_.max_bytes) return;
+  why_ = fmt::format("with it, and those that are marked, the takes are larger than --keep allows ({})",
+                     size_in_words(*keeping_.max_bytes));
+}
+
+// --- after it
+
+void TakeRecorder::note(TakeEvent::Kind kind, std::string text) {
+  events_.push_back({std::max<std::int64_t>(0, number_ - 1), kind, std::move(text)});
+}
+
+KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole) {
+  leaves_.store(true);
+  if (thread_.joinable()) thread_.join();
+  try {
+    if (!has_played_) {
+      store_.forget(kept_.number);
+      kept_.number = 0;
+      return kept_;
+    }
+    if (why_.empty()) write_chunk();
+    // Also of a take that ended before: there may be room for its ending again.
+    store_.finish(kept_.number, ending, is_whole, number_ - written_);
+  } catch (const TakeStoreError& error) {
+    if (why_.empty()) why_ = error.message();
+  }
+  kept_.ticks = written_;
+  kept_.lost = number_ - written_;
+  kept_.why = why_;
+  if (kept_.lost > 0 && kept_.why.empty()) kept_.why = "it was written more slowly than the rig moved";
+  try {
+    for (const TakeInfo& info : store_.list()) {
+      if (info.number == kept_.number) kept_.bytes = info.bytes;
+    }
+  } catch (const TakeStoreError&) {
+    kept_.bytes = 0;  // a number for people, of a disk that is gone
+  }
+  return kept_;
+}
+
+}  // namespace inbetween
