@@ -12,6 +12,7 @@
 
 #include "host_tools/loop/manual_motion.hpp"
 #include "host_tools/motions/run_checks.hpp"
+#include "host_tools/motions/run_take.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/start_signal.hpp"
 #include "host_tools/motions/transport.hpp"
@@ -45,6 +46,11 @@ std::unique_ptr<CueOutputs> opened_cues(const Plan& plan, RigSession& session, c
   return cues;
 }
 
+SessionOptions recorded_to(TickSink* take, SessionOptions rig) {
+  rig.take = take;
+  return rig;
+}
+
 /// When the keys of the first track are met, of turns those of one.
 std::vector<double> keys_to_go_to(const Plan& plan, const std::optional<PlayedTurns>& turns) {
   std::vector<double> frames = key_frames_of(plan, 0);
@@ -60,7 +66,8 @@ class Run {
       : staged_(staged),
         reference_(reference),
         options_(options),
-        session_(*staged.plan().rig(), reference, rig),
+        recorder_(options.has_takes ? nullptr : begun_take(staged, rig, options)),
+        session_(*staged.plan().rig(), reference, recorded_to(recorder_.get(), rig)),
         cues_(opened_cues(staged.plan(), session_, options)),
         audience_(session_.options().audience) {
     const Plan& plan = staged.plan();
@@ -69,6 +76,7 @@ class Run {
     if (!plan.is_whole()) {
       report_.reason = frames_in_words(plan.part(), plan.move().frames) + " were played";
     }
+    if (options.follow) report_.reason = options.follow->name + " was played again, up to where it rested";
     if (options.shoot && options.shoot->log) shoot_log_.emplace(*options.shoot->log, session_.options().fast);
   }
 
@@ -94,6 +102,7 @@ class Run {
                               traced.following_error_peak, traced.is_known, traced.is_commanded});
     }
     report_.record = session_.end_record();
+    if (recorder_) report_.kept = ended_take(report_.reason, report_.ending == Ending::finished);
     report_.steps = session_.hardware().end_step_log();
     report_.counts = session_.drives().counts();
     if (cues_) {
@@ -140,6 +149,7 @@ class Run {
       shoot();
     } else {
       TransportLines lines{.cues = cues_.get(), .turns = options_.turns};
+      if (options_.follow) lines.followed = options_.follow->places;
       if (is_attended()) lines.key_frames = keys_to_go_to(staged_.plan(), options_.turns);
       if (staged_.plan().move().start == Start::trigger) {
         lines.start = [&](std::int64_t) { return session_.lines().start_triggered(); };
@@ -178,13 +188,25 @@ class Run {
     if (const auto file = file_of(take)) {
       take_record_ = std::make_unique<RunRecord>(*file, session_.rig(), session_.options().fast);
     }
-    transport.take_is_ready(session_.trace(), {take_record_.get()});
+    recorder_ = begun_take(staged_, session_.options(), options_);
+    transport.take_is_ready(session_.trace(), {take_record_.get(), recorder_.get()});
   }
 
   void close_take(bool is_whole) {
     report_.takes.back().is_whole = is_whole;
     if (take_record_) report_.takes.back().record = take_record_->finish();
     take_record_.reset();
+    if (!recorder_) return;
+    report_.takes.back().kept =
+        ended_take(is_whole ? "the move was played to its last frame" : "not played to its end", is_whole);
+  }
+
+  KeptTake ended_take(const std::string& ending, bool is_whole) {
+    const std::string trouble = session_.trouble();
+    if (!trouble.empty()) recorder_->note(TakeEvent::Kind::fault, trouble);
+    KeptTake kept = recorder_->finish(ending, is_whole);
+    recorder_.reset();
+    return kept;
   }
 
   void play_takes(Transport& transport) {
@@ -278,7 +300,9 @@ class Run {
   RigReference& reference_;
   const RunOptions& options_;
   std::optional<Transit> transit_;
-  std::unique_ptr<RunRecord> take_record_;  // the loop's thread writes to it, which ends before
+  // The loop's thread writes to these, and ends before.
+  std::unique_ptr<RunRecord> take_record_;
+  std::unique_ptr<TakeRecorder> recorder_;
   RigSession session_;
   std::unique_ptr<CueOutputs> cues_;
   std::optional<ShootLog> shoot_log_;
@@ -317,6 +341,7 @@ RunReport run(const Plan& plan, const SessionOptions& rig, const RunOptions& opt
   if (options.rate < staged->playhead().override_rate()) {
     value_or_throw(staged->playhead().set_override(options.rate));
   }
+  if (options.follow) refuse_to_follow(*options.follow, *staged);
   RigReference reference = reference_of(*plan.rig(), options.positions, rig.simulated);
   reference.refuse_unreferenced(staged->loop_spec().drive_of);
   return Run(*staged, reference, standing_at_start(*staged, reference, rig), options).play();

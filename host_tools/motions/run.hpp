@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/run_report.hpp"
@@ -10,9 +11,23 @@
 #include "host_tools/motions/transit.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/turns.hpp"
+#include "host_tools/takes/take_recorder.hpp"
 #include "inbetween/play/playhead.hpp"
 
 namespace inbetween {
+
+/// What is kept of a run, beside what it plays.
+struct TakeRequest {
+  TakeKeeping keeping;
+  std::vector<TakeFile> files = {};  ///< the move, the rig and what they name, as they were read
+  std::string version = {};          ///< of the program
+};
+
+/// A take that is played again.
+struct FollowedTake {
+  std::string name;                        ///< "take 7"
+  std::vector<PlayheadPlace> places = {};  ///< of its playhead, tick by tick, to where it rested first
+};
 
 struct RunOptions {
   Repeat repeat = Repeat::none;
@@ -35,6 +50,11 @@ struct RunOptions {
   std::optional<std::string> positions = {};
   /// A line a pulse on an output goes there (cue_log.hpp).
   std::optional<std::string> cue_log = {};
+  /// The run is a take, or with has_takes each of its takes is one. Where it cannot be kept, one line on
+  /// standard error says so, and the run goes on.
+  std::optional<TakeRequest> take = {};
+  /// Not with repeat, and not shot.
+  std::optional<FollowedTake> follow = {};
 };
 
 /// Plays the plan on a rig at its rate, in a real-time thread or simulated: tick k at k / rate_hz seconds
@@ -49,7 +69,8 @@ struct RunOptions {
 /// one the camera does.
 ///
 /// Throws LimitError at the place of what is wrong, InputError where the rig stands elsewhere and nobody can
-/// confirm, and what RigSession and RigReference throw. The plan has a rig.
+/// confirm, or a take is no way of a playhead of this plan, and what RigSession and RigReference throw. The
+/// plan has a rig.
 RunReport run(const Plan& plan, const SessionOptions& rig, const RunOptions& options = {});
 
 }  // namespace inbetween

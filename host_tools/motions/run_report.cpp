@@ -18,6 +18,17 @@ void write_log(const char* name, const char* records, const LoopLogEnd& log, Jso
   });
 }
 
+void write_kept(const KeptTake& kept, JsonWriter& json) {
+  json.object("kept", [&] {
+    json.member("take", kept.number);
+    json.member("file", kept.file);
+    json.member("ticks", kept.ticks);
+    json.member("lost", kept.lost);
+    json.member("why", kept.why);
+    json.member("bytes", kept.bytes);
+  });
+}
+
 void write_shoot(const ShootCount& shoot, JsonWriter& json) {
   json.object("shoot", [&] {
     json.member("first", shoot.first);
@@ -39,6 +50,7 @@ void write_takes(const std::vector<RunTake>& takes, JsonWriter& json) {
     json.member("whole", take.is_whole);
     json.member("file", take.file);
     if (take.record) write_log("record", "ticks", *take.record, json);
+    if (take.kept) write_kept(*take.kept, json);
   });
 }
 
@@ -79,6 +91,7 @@ void write_run_json(const RunReport& report, std::FILE* file) {
   if (report.steps) write_log("steps", "edges", *report.steps, json);
   if (report.cue_log) write_log("cue_log", "pulses", *report.cue_log, json);
   if (report.shoot_log) write_log("shoot_log", "exposures", *report.shoot_log, json);
+  if (report.kept) write_kept(*report.kept, json);
   if (!report.takes.empty()) write_takes(report.takes, json);
   json.line();
   json.objects("axes", report.axes, [&](const RunAxis& axis) {

@@ -10,6 +10,7 @@
 #include "host_tools/loop/wake_latency.hpp"
 #include "host_tools/motions/shoot_count.hpp"
 #include "host_tools/rig/counters.hpp"
+#include "host_tools/takes/take_recorder.hpp"
 #include "host_tools/text/loop_log.hpp"
 #include "inbetween/timing/frame_time.hpp"
 
@@ -31,6 +32,7 @@ struct RunTake {
   bool is_whole = false;  ///< played to its last frame
   std::optional<std::string> file = {};
   std::optional<LoopLogEnd> record = {};
+  std::optional<KeptTake> kept = {};
 };
 
 /// A name with a %n, which is the number of a take: "takes/%n.csv" is "takes/3.csv".
@@ -53,6 +55,7 @@ struct RunReport {
   std::optional<LoopLogEnd> steps = {};  ///< records are edges
   std::optional<LoopLogEnd> cue_log = {};
   std::optional<LoopLogEnd> shoot_log = {};
+  std::optional<KeptTake> kept = {};  ///< where the run is a take
   Counters counts = {};
 };
 

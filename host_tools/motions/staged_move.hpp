@@ -48,6 +48,7 @@ class StagedMove {
 
   [[nodiscard]] const Plan& plan() const { return plan_; }
   [[nodiscard]] Playhead& playhead() { return playhead_; }
+  [[nodiscard]] const Playhead& playhead() const { return playhead_; }
   /// Null where no axis has it.
   [[nodiscard]] Playhead* still() { return still_ ? &*still_ : nullptr; }
   /// Where every travel of a shoot rests.

@@ -42,8 +42,7 @@ TakeRecorder::TakeRecorder(const TakeKeeping& keeping, const Take& take)
 }
 
 TakeRecorder::~TakeRecorder() {
-  leaves_.store(true);
-  if (thread_.joinable()) thread_.join();
+  if (thread_.joinable()) static_cast<void>(finish("an error ended the run", false));
 }
 
 void TakeRecorder::take(const RunLoop& loop, const LoopTask* act) {

@@ -50,6 +50,7 @@ class TakeRecorder final : public TickSink {
  public:
   /// `take` has all but its number, ticks, events and ending. Throws TakeStoreError where it cannot be begun.
   TakeRecorder(const TakeKeeping& keeping, const Take& take);
+  /// Finishes a take that an error has left.
   ~TakeRecorder() override;
   TakeRecorder(const TakeRecorder&) = delete;
   TakeRecorder& operator=(const TakeRecorder&) = delete;
