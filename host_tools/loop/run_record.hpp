@@ -4,13 +4,27 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "host_tools/loop/tick_sink.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
 #include "host_tools/text/loop_log.hpp"
 
 namespace inbetween {
+
+/// A line of a record.
+struct RecordedTick {
+  std::int64_t number = 0;
+  SupervisorState state = SupervisorState::disarmed;
+  std::optional<double> frame = {};
+  std::span<const double> told = {};  ///< empty: no setpoint was sent
+  std::span<const double> actual = {};
+};
+void put_recorded(const RecordedTick& tick, double period_s, std::string& text);
+/// The first line.
+std::string head_of_record(const std::vector<std::string>& axes);
 
 /// Comma-separated values, a line a tick: its number, seconds, the state of the supervisor, the frame on
 /// which the move is, and per axis the setpoint and the position that its drive told. Empty: no move is
@@ -37,7 +51,6 @@ class RunRecord final : public TickSink {
     std::array<double, max_rig_axes> told;
     std::array<double, max_rig_axes> actual;
   };
-  static std::string head_of(const RigFile& rig);
   void put(const Tick& tick, std::string& text) const;
 
   std::size_t axes_;

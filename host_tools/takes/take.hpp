@@ -70,6 +70,7 @@ struct TakeTick {
   /// was commanded. Nothing while no move is played.
   std::optional<FrameTime> time = {};
   double rate = 0, rate_change = 0;  ///< of the playhead there (Playhead::rate)
+  bool shows_frame = false;          ///< a record of it has the frame, also where the move rests and waits
   std::int64_t turn = 0;             ///< of a move that goes round, by which the playhead was carried back
   std::vector<double> told = {};     ///< setpoint of every axis of the rig; empty: none was sent
   std::vector<double> actual = {};   ///< of every axis of the rig, in its unit

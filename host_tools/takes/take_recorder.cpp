@@ -51,6 +51,7 @@ void TakeRecorder::take(const RunLoop& loop, const LoopTask* act) {
   tick.state = loop.state();
   tick.is_told = loop.sends_setpoints();
   if (act != nullptr) {
+    tick.shows_frame = act->frame().has_value();
     if (const std::optional<PlayedPlace> played = act->played()) {
       tick.is_played = true;
       tick.played = *played;
@@ -97,6 +98,7 @@ void TakeRecorder::encode(const Tick& tick) {
   }
   tick_.number = tick.number;
   tick_.state = tick.state;
+  tick_.shows_frame = tick.shows_frame;
   tick_.time.reset();
   tick_.rate = tick_.rate_change = 0;
   if (tick.is_played) {

@@ -74,6 +74,7 @@ class TakeRecorder final : public TickSink {
     SupervisorState state = SupervisorState::disarmed;
     bool is_told = false;
     bool is_played = false;
+    bool shows_frame = false;
     PlayedPlace played;
     std::array<double, max_rig_axes> told;
     std::array<double, max_rig_axes> actual;

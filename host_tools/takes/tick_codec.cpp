@@ -27,6 +27,8 @@ enum Flag : std::uint8_t {
   is_unsteady = 128,  ///< an axis goes not as fast as before
 };
 
+/// Beside the state.
+constexpr unsigned shown_frame = 0x80;
 /// An actual position that is so many doubles off is a whole number of counts that was computed otherwise.
 constexpr std::int64_t max_rounding = 64;
 /// Beyond this many counts a difference of two is no double any more.
@@ -108,6 +110,7 @@ class KnownTicks {
   void restart() {
     number = -1;
     state = SupervisorState::disarmed;
+    shows_frame = false;
     time = {};
     rate = change = change_before = 0;
     turn = 0;
@@ -140,6 +143,7 @@ class KnownTicks {
   void take_place(const TakeTick& tick) {
     number = tick.number;
     state = tick.state;
+    shows_frame = tick.shows_frame;
     turn = tick.turn;
     if (!tick.time) return;
     time = *tick.time;
@@ -154,6 +158,7 @@ class KnownTicks {
 
   std::int64_t number = -1;
   SupervisorState state = SupervisorState::disarmed;
+  bool shows_frame = false;
   FrameTime time;
   double rate = 0, change = 0, change_before = 0;
   std::int64_t turn = 0;
@@ -185,14 +190,16 @@ class TickWriter {
 
  private:
   void write_place(const TakeTick& tick) {
-    const bool goes_on = tick.number == known_.number + 1 && tick.state == known_.state;
+    const bool goes_on = tick.number == known_.number + 1 && tick.state == known_.state &&
+                         tick.shows_frame == known_.shows_frame;
     ExpectedTime expected;
     if (tick.time) expected = known_.expected_time(tick.rate, tick.rate_change);
     if (goes_on && (!tick.time || tick.time->frame == expected.frame)) {
       flags_ |= is_next;
     } else {
       body_.whole_signed(tick.number - known_.number - 1);
-      body_.byte(static_cast<std::uint8_t>(tick.state));
+      body_.byte(static_cast<std::uint8_t>(static_cast<unsigned>(tick.state) |
+                                           (tick.shows_frame ? shown_frame : 0U)));
     }
     if (tick.turn != known_.turn) {
       flags_ |= has_other_turn;
@@ -277,13 +284,16 @@ class TickReader {
   const char* read_place(TakeTick& tick) {
     tick.number = known_.number + 1;
     tick.state = known_.state;
+    tick.shows_frame = known_.shows_frame;
     if (!has(is_next)) {
       const std::int64_t gap = in_.whole_signed();
-      const std::uint8_t state = in_.byte();
+      const std::uint8_t told = in_.byte();
+      const auto state = static_cast<std::uint8_t>(told & ~shown_frame);
       if (gap < 0 || gap > max_gap) return "its ticks do not follow each other";
       if (state >= supervisor_states) return "it has an unknown state";
       tick.number += gap;
       tick.state = static_cast<SupervisorState>(state);
+      tick.shows_frame = (told & shown_frame) != 0;
     }
     tick.turn = known_.turn;
     if (has(has_other_turn)) {

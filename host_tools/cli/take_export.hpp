@@ -1,0 +1,24 @@
+// A take as other files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "host_tools/plot/plot_run.hpp"
+#include "host_tools/takes/take_store.hpp"
+
+namespace inbetween {
+
+/// Writes what `run --record` would have written: an actual position that was no whole number of
+/// TakeAxis::resolution is off by half of that at most. "-" is standard output. Throws what TakeStore and
+/// write_output throw.
+void export_take_csv(TakeStore& store, std::int64_t take, const std::string& file);
+
+/// Writes the trajectory that it played, with proven stops, as `plan --trajectory` does: from the move and
+/// the rig as they were, and a URDF file of today that must be what it was. Throws those, and InputError.
+void export_take_trajectory(TakeStore& store, std::int64_t take, const std::string& file);
+
+/// What `run --plot` draws of it.
+RunPlot plot_of_take(TakeStore& store, std::int64_t take);
+
+}  // namespace inbetween
