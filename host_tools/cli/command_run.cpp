@@ -18,6 +18,7 @@
 #include "host_tools/cli/run_screen.hpp"
 #include "host_tools/cli/setup_arguments.hpp"
 #include "host_tools/cli/shoot_arguments.hpp"
+#include "host_tools/cli/take_arguments.hpp"
 #include "host_tools/loop/rig_session.hpp"
 #include "host_tools/motions/run.hpp"
 #include "host_tools/plan/turns.hpp"
@@ -28,7 +29,7 @@
 namespace inbetween {
 namespace {
 
-struct RunArguments : SetupArguments, ShootArguments {
+struct RunArguments : SetupArguments, ShootArguments, TakeArguments {
   std::string move;
   std::optional<std::string> json, record, cue_log, steps, plot, device;
   PictureStyle style = PictureStyle::light;
@@ -106,6 +107,21 @@ int exit_status_of(const RunReport& report, bool is_shot) {
   return report.shoot && report.shoot->has_all() ? 0 : exit_frames_missing;
 }
 
+/// One line about a take: that it is kept, or how much of it.
+void print_kept(const KeptTake& kept, const char* indent, std::FILE* out) {
+  if (kept.number == 0) return;
+  if (kept.lost == 0) {
+    fmt::print(out, "{}take {} kept in {} ({})\n", indent, kept.number, kept.file, size_in_words(kept.bytes));
+  } else {
+    complain(fmt::format("{}: warning: take {} has {} of {} ticks: {}; the rig was not held up", kept.file,
+                         kept.number, kept.ticks, kept.ticks + kept.lost, kept.why));
+  }
+  if (!kept.forgotten.empty()) {
+    fmt::print(out, "{}{} forgotten to make room\n", indent,
+               counted(static_cast<std::int64_t>(kept.forgotten.size()), "older take"));
+  }
+}
+
 void print_run_summary(const RunReport& report, const Plan& plan, const RunArguments& arguments,
                        std::FILE* out) {
   const bool names_part = !plan.is_whole() && report.ending != Ending::finished;
@@ -129,9 +145,11 @@ void print_run_summary(const RunReport& report, const Plan& plan, const RunArgum
     fmt::print(out, "  take {}: {}{}\n", take.number, take.is_whole ? "whole" : "not played to its end",
                take.file ? ", " + *take.file : "");
     if (take.record && take.record->lost > 0) print_log(*take.record, "ticks", *take.file, out);
+    if (take.kept) print_kept(*take.kept, "    ", out);
   }
   const std::string trouble = trouble_of(report.counts);
   if (!trouble.empty()) fmt::print(out, "  counted: {}\n", trouble);
+  if (report.kept) print_kept(*report.kept, "  ", out);
   if (report.record) print_log(*report.record, "ticks", *arguments.record, out);
   if (report.steps) print_log(*report.steps, "edges", *arguments.steps, out);
   if (report.cue_log) print_log(*report.cue_log, "pulses", *arguments.cue_log, out);
@@ -189,7 +207,14 @@ RunReport play_on_screen(const TurnsOfRun& planned, const RunArguments& argument
   return run(plan, rig, options);
 }
 
-RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const RigWatch& watch) {
+/// What a run keeps, and what it plays again.
+struct TakesOfRun {
+  std::optional<TakeRequest> kept = {};
+  std::optional<FollowedTake> follow = {};
+};
+
+RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const RigWatch& watch,
+               const TakesOfRun& takes) {
   const Plan& plan = planned.plan;
   const InterruptWatch interrupts;
   RunOptions options{.turns = planned.turns,
@@ -200,7 +225,9 @@ RunReport play(const TurnsOfRun& planned, const RunArguments& arguments, const R
                      .take_record = arguments.takes ? arguments.record : std::nullopt,
                      .shoot = shoot_options(arguments),
                      .positions = arguments.positions,
-                     .cue_log = arguments.cue_log};
+                     .cue_log = arguments.cue_log,
+                     .take = takes.kept,
+                     .follow = takes.follow};
   if (options.shoot) options.shoot->is_loop = arguments.loop || arguments.turns;
   if (arguments.resume) options.shoot->before = read_shoot_log(*arguments.shoot_log, plan.move().frames);
   if (arguments.loop && !is_periodic(plan.move())) options.repeat = Repeat::loop;
@@ -295,6 +322,54 @@ void refuse_take_arguments(const RunArguments& arguments) {
   }
 }
 
+void refuse_to_replay(const RunArguments& arguments) {
+  if (!arguments.take) return;
+  const bool plays_otherwise = arguments.frames || arguments.turns || arguments.loop || arguments.ping_pong ||
+                               arguments.rate != 1 || arguments.top_rate != 1;
+  if (plays_otherwise) {
+    throw UsageError(
+        "--take plays what the take played, as fast; leave out --frames, --turns, --loop, --ping-pong, "
+        "--rate "
+        "and --top-rate");
+  }
+  if (arguments.is_shot()) throw UsageError("--take plays a take; leave out --step and --shutter");
+}
+
+void refuse_changed_files(const Take& take, const std::vector<TakeFile>& then,
+                          const std::vector<TakeFile>& today) {
+  const std::string changed = changed_file(take.number, then, today);
+  if (!changed.empty())
+    throw std::runtime_error(changed + "; put back what it was (inbetween takes show has its hash)");
+}
+
+/// The take that is named. From here on the arguments are those with which it was played.
+std::optional<ReplayedTake> take_to_replay(RunArguments& arguments, const std::vector<TakeFile>& files) {
+  if (!arguments.take) return std::nullopt;
+  TakeArguments of = arguments;
+  of.is_no_take = false;
+  TakeStore store(takes_file(of, arguments.move).value_or(named_takes_file(std::nullopt)),
+                  TakeStore::Access::read);
+  ReplayedTake replayed = replayed_take(store, *arguments.take);
+  const Take& take = replayed.head;
+  std::vector<TakeFile> of_move_and_rig = take.files;
+  std::erase_if(of_move_and_rig, [](const TakeFile& file) { return file.role == TakeFile::Role::other; });
+  refuse_changed_files(take, of_move_and_rig, files);
+  if (take.turns > 0) arguments.turns = take.turns;
+  if (take.part != WholeFrames{0, take.frames})
+    arguments.frames = fmt::format("{}..{}", take.part.first, take.part.last);
+  arguments.top_rate = take.top_rate;
+  return replayed;
+}
+
+void refuse_another_motion(const Plan& plan, const Take& take) {
+  if (bytes_of(plan.motion()) == take.trajectory) return;
+  throw InputError(
+      {plan.move().path, 0, 0},
+      fmt::format("inbetween {} solved this move otherwise when take {} was played, in last bits "
+                  "at least; record it again, or use that version",
+                  take.version, take.number));
+}
+
 void refuse_plot_arguments(const RunArguments& arguments) {
   refuse_unknown_picture(arguments.plot);
   if (!arguments.plot) return;
@@ -322,12 +397,29 @@ void draw_pictures(const RunReport& report, const Plan& plan, const RunArguments
   }
 }
 
-int run_command(const RunArguments& arguments) {
+TakesOfRun takes_of_run(const RunArguments& arguments, const Plan& plan, const std::vector<TakeFile>& files,
+                        const std::optional<std::string>& file, const std::optional<ReplayedTake>& replayed) {
+  TakesOfRun takes;
+  if (file) {
+    takes.kept = {.keeping = {.file = *file, .max_bytes = arguments.max_take_bytes},
+                  .files = files,
+                  .version = INBETWEEN_VERSION};
+  }
+  if (!replayed) return takes;
+  refuse_changed_files(replayed->head, replayed->head.files, files);
+  refuse_another_motion(plan, replayed->head);
+  takes.follow = {fmt::format("take {}", replayed->head.number), replayed->places};
+  return takes;
+}
+
+int run_command(const RunArguments& given) {
+  RunArguments arguments = given;
   if (arguments.allow_jitter && arguments.start_share > jitter_share) {
     throw UsageError("with --allow-jitter --speed is 0.1 at most; lower it");
   }
   refuse_take_arguments(arguments);
   refuse_plot_arguments(arguments);
+  refuse_to_replay(arguments);
   refuse_to_play_a_shoot(arguments);
   shoot_options(arguments);  // refuses wrong arguments before any file is read
   frame_range_argument(arguments.frames);
@@ -354,10 +446,16 @@ int run_command(const RunArguments& arguments) {
        {"--shoot-log", arguments.shoot_log}});
   if (arguments.json) check_output(*arguments.json);
   const RigWatch watch(arguments.rig);
+  const std::optional<std::string> takes = takes_file(arguments, arguments.move);
+  std::vector<TakeFile> files;
+  if (takes || arguments.take) files = files_of_run(arguments.move, arguments.rig);
+  const std::optional<ReplayedTake> replayed = take_to_replay(arguments, files);
   const TurnsOfRun planned = planned_turns(arguments);
   const Plan& plan = planned.plan;
+  if (!files.empty()) complete_files(plan, files);
+  const TakesOfRun of_run = takes_of_run(arguments, plan, files, takes, replayed);
   if (!arguments.simulated && is_shot) refuse_no_camera(plan);
-  const RunReport report = play(planned, arguments, watch);
+  const RunReport report = play(planned, arguments, watch, of_run);
   release_lost_terminal();
   if (arguments.json) {
     write_output(*arguments.json, [&](std::FILE* file) { write_run_json(report, file); });
@@ -394,6 +492,11 @@ happens. Played backward to its beginning a move rests there until Enter plays i
 With --takes the rig waits where the move begins, and every take begins with Enter. At its end it waits again:
 Home goes back along the path, arrows, g and k go elsewhere on it, q leaves. --record takes/%n.csv writes a file
 a take, from the first number on that is free; --plot takes/%n.svg draws each of them when the drives are off.
+
+Every run, and with --takes each take, is kept in inbetween-takes.db in the folder of the move: inbetween takes
+lists, draws and exports them. --take N plays one again: the same setpoints tick by tick, up to where it first
+rested, after the same checks, where move and rig are what they were. Whoever is at the keys stops it as any move,
+which from then on it is. Where takes cannot be kept a line says so, and the rig moves as without.
 
 --record and --cue-log write no file over. What a disk that was full has not taken is counted, and the file ends
 with a whole line. inbetween plot draws a record again.
@@ -451,7 +554,8 @@ Examples:
   inbetween run move.toml --rig rig.toml --sim --step        stop motion
   inbetween run move.toml --rig rig.toml --step --shoot-log shoot.csv --resume
   inbetween run move.toml --rig rig.toml --sim --shutter 0..180 --exposure 0.5
-  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv)";
+  inbetween run move.toml --rig rig.toml --sim --fast --cue-log cues.csv
+  inbetween run move.toml --rig rig.toml --take 7            take 7 again)";
 
 /// The help shows the options in these groups; those of a shoot have one of their own.
 void group_options(CLI::App& app) {
@@ -460,8 +564,11 @@ void group_options(CLI::App& app) {
        {"--rig", "--sim", "--fast", "--from", "--positions", "--allow-jitter", "--faults", "--device",
         "--yes"}},
       {"What is played, and how fast",
-       {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--rate", "--top-rate", "--speed"}},
-      {"What is written", {"--json", "--record", "--plot", "--style", "--steps", "--cue-log", "--latency"}}};
+       {"--frames", "--turns", "--loop", "--ping-pong", "--takes", "--take", "--rate", "--top-rate",
+        "--speed"}},
+      {"What is written",
+       {"--no-take", "--takes-in", "--keep", "--json", "--record", "--plot", "--style", "--steps",
+        "--cue-log", "--latency"}}};
   for (const auto& [group, names] : groups) {
     for (const char* name : names) app.get_option(name)->group(group);
   }
@@ -517,6 +624,7 @@ void describe(CLI::App& app, RunArguments& arguments) {
                  "write when which pulse began on the outputs of the rig, a line a pulse (CSV; - is standard "
                  "output)");
   app.add_flag("--latency", arguments.latency, "at the end show how late the loop woke up, by octaves");
+  add_take_options(app, arguments);
   add_shoot_options(app, arguments);
   group_options(app);
   app.footer(run_explanation);

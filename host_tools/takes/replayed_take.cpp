@@ -50,11 +50,12 @@ ReplayedTake replayed_take(TakeStore& store, std::int64_t number) {
   return replayed;
 }
 
-std::string changed_file(const Take& take, const std::vector<TakeFile>& today) {
-  for (std::size_t i = 0; i < std::max(take.files.size(), today.size()); ++i) {
-    if (i < take.files.size() && i < today.size() && take.files[i].hash == today[i].hash) continue;
-    const TakeFile& file = i < today.size() ? today[i] : take.files[i];
-    return fmt::format("{}: {} is another than in take {}", file.path, words_of(file.role), take.number);
+std::string changed_file(std::int64_t take, const std::vector<TakeFile>& then,
+                         const std::vector<TakeFile>& today) {
+  for (std::size_t i = 0; i < std::max(then.size(), today.size()); ++i) {
+    if (i < then.size() && i < today.size() && then[i].hash == today[i].hash) continue;
+    const TakeFile& file = i < today.size() ? today[i] : then[i];
+    return fmt::format("{}: error: {} is another than in take {}", file.path, words_of(file.role), take);
   }
   return "";
 }

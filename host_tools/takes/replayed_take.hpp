@@ -19,8 +19,9 @@ struct ReplayedTake {
 /// frame by frame or goes over its end, it has not all ticks up to there, or never came to rest on its path.
 ReplayedTake replayed_take(TakeStore& store, std::int64_t take);
 
-/// What the first file that is another today is called, and how; "" where all are what they were. `today`
-/// has them in the same order.
-std::string changed_file(const Take& take, const std::vector<TakeFile>& today);
+/// The first file that is another today than in a take, in words; "" where all are what they were. Both have
+/// them in the same order.
+std::string changed_file(std::int64_t take, const std::vector<TakeFile>& then,
+                         const std::vector<TakeFile>& today);
 
 }  // namespace inbetween
