@@ -1,0 +1,254 @@
+// What was told to be kept is kept, whatever ends the program or fills the disk; and the run goes on.
+#include "host_tools/takes/take_store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host_tools/motions/run.hpp"
+#include "tests/support/places.hpp"
+#include "tests/support/property.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace take_store_test {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+const std::string reveal = in_checkout("examples/reveal.toml");
+const std::string camera_rig = in_checkout("examples/camera_rig.toml");
+
+Plan plan_of_reveal() {
+  return {read_move_file(reveal), read_rig_file(camera_rig), {}};
+}
+
+RunReport run_kept(const Plan& plan, const TakeKeeping& keeping) {
+  return run(plan, {.simulated = true, .fast = true}, {.take = TakeRequest{.keeping = keeping}});
+}
+
+/// Files of this process are at most so long while it lives.
+class ShortTakes {
+ public:
+  explicit ShortTakes(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit shorter{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &shorter);
+  }
+  ~ShortTakes() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+  ShortTakes(const ShortTakes&) = delete;
+  ShortTakes& operator=(const ShortTakes&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+void kill_child(pid_t child) {
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+}
+
+/// Every tick that the list says is there, and no other.
+void expect_whole(TakeStore& store, std::int64_t take) {
+  const Take all = store.read(take);
+  EXPECT_EQ(static_cast<std::int64_t>(all.ticks_of_take.size()), all.ticks);
+  std::int64_t next = 0;
+  for (const TakeTick& tick : all.ticks_of_take) ASSERT_EQ(tick.number, next++);
+}
+
+// docs/faults.md 55
+TEST(TakeStore, ADiskThatFillsUpEndsTheTakeAndNotTheRun) {
+  const Plan plan = plan_of_reveal();
+  const std::vector<RunAxis> plain = run(plan, {.simulated = true, .fast = true}).axes;
+  // Full at the beginning, in the middle, and at the end.
+  for (const rlim_t bytes : {4096U, 60'000U, 100'000U, 115'000U, 130'000U, 150'000U}) {
+    const TemporaryFolder folder;
+    const std::string file = folder.path() / "takes.db";
+    RunReport report;
+    {
+      const ShortTakes full(bytes);
+      report = run_kept(plan, {.file = file});
+    }
+    EXPECT_EQ(report.ending, Ending::finished) << report.reason;
+    for (std::size_t a = 0; a < plain.size(); ++a)
+      EXPECT_EQ(report.axes[a].last_actual, plain[a].last_actual) << "the rig came to rest as without";
+    if (!report.kept) continue;  // it could not be begun
+    if (report.kept->lost > 0) {
+      EXPECT_NE(report.kept->why, "");
+    }
+    TakeStore store(file, TakeStore::Access::read);
+    const std::vector<TakeInfo> takes = store.list();
+    ASSERT_THAT(takes, SizeIs(1));
+    EXPECT_EQ(takes[0].ticks, report.kept->ticks) << "what was told is there";
+    expect_whole(store, report.kept->number);
+  }
+}
+
+// docs/faults.md 55
+TEST(TakeStore, AFolderThatCannotBeWrittenIsOneLineAndTheRunGoesOn) {
+  const ProgramRun run =
+      run_program({"run", reveal, "--rig", camera_rig, "--sim", "--fast", "--takes-in", "/proc/takes.db"});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_THAT(run.err,
+              HasSubstr("/proc/takes.db: warning: this run is no take: unable to open database file"));
+  EXPECT_EQ(std::ranges::count(run.err, '\n'), 1);
+  EXPECT_THAT(run.out, HasSubstr("reveal: the move was played to its last frame"));
+}
+
+// docs/faults.md 56
+TEST(TakeStore, KilledAtAnyMomentItHasWhatWasToldToBeKept) {
+  const Plan plan = plan_of_reveal();
+  static_cast<void>(plan.motion());  // fitted once
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "takes.db";
+  std::mt19937 random(7);
+  std::map<std::int64_t, std::int64_t> told;
+  for (int kill = 0; kill < cases_to_run(60); ++kill) {
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      for (;;) {
+        const RunReport report = run_kept(plan, {.file = file});
+        const std::int64_t kept[2] = {report.kept->number, report.kept->ticks};
+        if (write(ends[1], kept, sizeof kept) != sizeof kept) _exit(1);
+      }
+    }
+    close(ends[1]);
+    std::this_thread::sleep_for(
+        std::chrono::microseconds(std::uniform_int_distribution<int>(1'000, 300'000)(random)));
+    kill_child(child);
+    std::int64_t kept[2];
+    while (read(ends[0], kept, sizeof kept) == sizeof kept) told[kept[0]] = kept[1];
+    close(ends[0]);
+  }
+  TakeStore store(file, TakeStore::Access::write);
+  std::map<std::int64_t, TakeInfo> there;
+  for (const TakeInfo& take : store.list()) there[take.number] = take;
+  for (const auto& [number, ticks] : told) {
+    ASSERT_EQ(there.count(number), 1U) << number;
+    EXPECT_EQ(there[number].ticks, ticks);
+    EXPECT_TRUE(there[number].is_whole);
+  }
+  for (const auto& [number, take] : there) {
+    expect_whole(store, number);
+    if (told.count(number) == 0 && !take.ending.empty()) told[number] = take.ticks;  // killed before it told
+  }
+  EXPECT_FALSE(told.empty());
+  EXPECT_EQ(run_kept(plan, {.file = file}).kept->lost, 0) << "and the next run keeps its own";
+}
+
+TEST(TakeStore, TheOldestAreForgottenAndNeverOneThatIsMarked) {
+  const Plan plan = plan_of_reveal();
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "takes.db";
+  for (int i = 0; i < 4; ++i) run_kept(plan, {.file = file});
+  {
+    TakeStore store(file, TakeStore::Access::read);
+    store.mark(2, true);
+  }
+  const std::int64_t size = TakeStore(file, TakeStore::Access::read).used_bytes();
+  const RunReport report = run_kept(plan, {.file = file, .max_bytes = size});
+  EXPECT_EQ(report.kept->lost, 0);
+  TakeStore store(file, TakeStore::Access::read);
+  std::vector<std::int64_t> left;
+  for (const TakeInfo& take : store.list()) left.push_back(take.number);
+  std::vector<std::int64_t> expected{1, 2, 3, 4, 5};
+  for (const std::int64_t gone : report.kept->forgotten) std::erase(expected, gone);
+  EXPECT_EQ(left, expected);
+  ASSERT_THAT(report.kept->forgotten, testing::Not(IsEmpty()));
+  EXPECT_EQ(report.kept->forgotten.front(), 1) << "the oldest first";
+  EXPECT_THAT(left, testing::AllOf(testing::Contains(2), testing::Contains(5)));
+  EXPECT_LE(store.used_bytes(), size);
+  EXPECT_LE(static_cast<std::int64_t>(std::filesystem::file_size(file)), size + 65'536) << "room goes back";
+}
+
+TEST(TakeStore, ATakeThatIsTooLargeAloneEndsThere) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "takes.db";
+  const std::int64_t empty = TakeStore(file, TakeStore::Access::write).used_bytes();
+  const RunReport report = run_kept(plan_of_reveal(), {.file = file, .max_bytes = empty + 8'000});
+  EXPECT_EQ(report.ending, Ending::finished);
+  EXPECT_GT(report.kept->lost, 0);
+  EXPECT_THAT(report.kept->why, HasSubstr("--keep"));
+}
+
+TEST(TakeStore, AnotherProgramsFileAndOneOfANewerVersionAreRefused) {
+  const TemporaryFile text("takes.db",
+                           "no database, but text that is longer than a header of one would be, so\n"
+                           "that nobody takes it for an empty file or one that is cut off\n");
+  EXPECT_THAT([&] { TakeStore(text.path(), TakeStore::Access::write); },
+              testing::ThrowsMessage<TakeStoreError>(HasSubstr("takes.db: error: file is not a database; ")));
+  EXPECT_THAT(file_contents(text.path()), testing::StartsWith("no database"));
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "takes.db";
+  EXPECT_THAT([&] { TakeStore(file, TakeStore::Access::read); },
+              testing::ThrowsMessage<TakeStoreError>(HasSubstr("there are no takes")));
+  { const TakeStore made(file, TakeStore::Access::write); }
+  std::string bytes = file_contents(file);
+  ASSERT_GT(bytes.size(), 100U);
+  bytes[63] = 2;  // the lowest byte of user_version
+  const TemporaryFile newer("takes.db", bytes);
+  EXPECT_THAT(
+      [&] { TakeStore(newer.path(), TakeStore::Access::read); },
+      testing::ThrowsMessage<TakeStoreError>(HasSubstr("it is of version 2, and this program knows 1")));
+  bytes[63] = 1;
+  bytes[71] = 0;  // of application_id
+  const TemporaryFile other("takes.db", bytes);
+  EXPECT_THAT([&] { TakeStore(other.path(), TakeStore::Access::read); },
+              testing::ThrowsMessage<TakeStoreError>(HasSubstr("this is no file of takes")));
+}
+
+TEST(TakeStore, ADamagedChunkIsTold) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "takes.db";
+  {
+    TakeStore store(file, TakeStore::Access::write);
+    Take take;
+    take.rate_hz = 250;
+    take.trajectory = bytes_of(plan_of_reveal().motion());
+    take.axes = {{.name = "x", .unit = "mm", .resolution = 0.001}};
+    EXPECT_EQ(store.begin(take), 1);
+    store.append(1, {.first = 0, .ticks = 1, .bytes = "no chunk of ticks"}, {}, 0);
+  }
+  TakeStore store(file, TakeStore::Access::read);
+  EXPECT_THAT(
+      [&] { static_cast<void>(store.read(1)); },
+      testing::ThrowsMessage<TakeStoreError>(HasSubstr(
+          "takes.db: error: take 1 is damaged from tick 0 on: its check sum is wrong; move the file")));
+  EXPECT_EQ(store.list().at(0).ending, "");
+}
+
+TEST(TakeStore, ASizeIsWrittenInWords) {
+  EXPECT_EQ(size_in_bytes("20M"), 20'000'000);
+  EXPECT_EQ(size_in_bytes("1.5G"), 1'500'000'000);
+  EXPECT_EQ(size_in_bytes("300"), 300);
+  for (const char* wrong : {"", "M", "-3M", "20m", "20MB", "nan", "1e30G"})
+    EXPECT_EQ(size_in_bytes(wrong), std::nullopt) << wrong;
+  EXPECT_EQ(size_in_words(312'400), "312 kB");
+}
+
+}  // namespace take_store_test
+}  // namespace inbetween
