@@ -67,9 +67,7 @@ void stop_on_the_way(StagedMove& staged, const CheckReport& report, double rate,
   const Plan& plan = staged.plan();
   const PlannedStops wide(plan, rate);
   RecordedPlay record(plan, *wide.bounds(), 1.0 / plan.rig()->rate_hz);
-  std::vector<double> steps;
-  for (const CheckedStep& step : report.steps) steps.push_back(step.frame);
-  record.allow_steps_at(steps);
+  record.allow_steps_of(report);
   Playhead& playhead = staged.playhead();
   RC_ASSERT(playhead.follow(places).has_value());
   const auto last = *rc::gen::inRange<std::size_t>(0, places.size());
