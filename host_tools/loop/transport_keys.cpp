@@ -242,8 +242,6 @@ const char* name_of(TransportKey key) {
       return "left, held";
     case TransportKey::let_go:
       return "let go";
-    case TransportKey::device_gone:
-      return "the device is gone";
     case TransportKey::detent_forward:
       return "wheel forward";
     case TransportKey::detent_backward:

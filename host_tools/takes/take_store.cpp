@@ -263,6 +263,31 @@ std::string TakeStore::keep_content(const std::string& bytes) {
   return hash;
 }
 
+/// Its axes and files.
+void TakeStore::keep_parts(std::int64_t number, const Take& take) {
+  std::int32_t row = 0;
+  for (const TakeAxis& axis : take.axes) {
+    Statement(*this, "INSERT INTO axis VALUES (?, ?, ?, ?, ?, ?)")
+        .with(number)
+        .with(row++)
+        .with(axis.name)
+        .with(axis.unit)
+        .with(axis.resolution)
+        .with(axis.move_axis)
+        .run();
+  }
+  row = 0;
+  for (const TakeFile& file : take.files) {
+    Statement(*this, "INSERT INTO file VALUES (?, ?, ?, ?, ?)")
+        .with(number)
+        .with(row++)
+        .with(static_cast<std::int32_t>(file.role))
+        .with(file.path)
+        .with(keep_content(file.text))
+        .run();
+  }
+}
+
 std::int64_t TakeStore::begin(const Take& take) {
   Transaction transaction(*this);
   std::int64_t bytes = static_cast<std::int64_t>(take.trajectory.size());
@@ -290,27 +315,7 @@ std::int64_t TakeStore::begin(const Take& take) {
       .with(bytes)
       .run();
   const std::int64_t number = sqlite3_last_insert_rowid(database_);
-  std::int32_t row = 0;
-  for (const TakeAxis& axis : take.axes) {
-    Statement(*this, "INSERT INTO axis VALUES (?, ?, ?, ?, ?, ?)")
-        .with(number)
-        .with(row++)
-        .with(axis.name)
-        .with(axis.unit)
-        .with(axis.resolution)
-        .with(axis.move_axis)
-        .run();
-  }
-  row = 0;
-  for (const TakeFile& file : take.files) {
-    Statement(*this, "INSERT INTO file VALUES (?, ?, ?, ?, ?)")
-        .with(number)
-        .with(row++)
-        .with(static_cast<std::int32_t>(file.role))
-        .with(file.path)
-        .with(keep_content(file.text))
-        .run();
-  }
+  keep_parts(number, take);
   transaction.commit();
   return number;
 }

@@ -94,6 +94,7 @@ class TakeStore {
   [[noreturn]] void fail();
   [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
   std::string keep_content(const std::string& bytes);
+  void keep_parts(std::int64_t number, const Take& take);
   void forget_unused_content();
   void refuse_unknown(std::int64_t take);
 
