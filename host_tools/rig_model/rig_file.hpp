@@ -16,6 +16,7 @@
 
 #include "host_tools/rig_model/gpio_line.hpp"
 #include "host_tools/rig_model/rig_gear.hpp"
+#include "host_tools/rig_model/rig_lens.hpp"
 #include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
@@ -303,6 +304,7 @@ struct RigFile {
   std::optional<Camera> camera = {};
   std::vector<Output> outputs = {};  // in alphabetical order
   std::optional<RigKinematics> kinematics = {};
+  std::optional<RigLens> lens = {};  // only with kinematics
 };
 
 /// The place of a bus by its name.
