@@ -1,0 +1,116 @@
+#include "host_tools/takes/take_compare.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+
+#include "host_tools/takes/take_line.hpp"
+
+namespace inbetween {
+namespace {
+
+void refuse_other_takes(const TakeSamples& first, const TakeSamples& second) {
+  const auto is_same = [](const TakeAxis& a, const TakeAxis& b) {
+    return a.name == b.name && a.unit == b.unit;
+  };
+  if (std::ranges::equal(first.axes(), second.axes(), is_same)) return;
+  throw std::runtime_error(fmt::format("error: take {} has other axes than take {}; compare takes of one rig",
+                                       second.number(), first.number()));
+}
+
+/// What each axis, moved by `missed`, would do to the measure there.
+double interpolated_away(const RigMeasures& measures, std::size_t measure, std::span<const double> place,
+                         std::span<const double> missed) {
+  std::vector<double> values(measures.all().size());
+  double sum = 0;
+  for (const std::size_t axis : measures.axes_of(measure)) {
+    if (missed[axis] == 0) continue;
+    std::vector<double> away(place.begin(), place.end());
+    away[axis] += missed[axis];
+    measures.take(place, away, values);
+    sum += std::fabs(values[measure]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second, const Plan& plan) {
+  refuse_other_takes(first, second);
+  const RigMeasures measures(plan);
+  const std::size_t axes = first.axes().size();
+  TakeComparison comparison{.first = first.number(), .second = second.number()};
+  for (const Measure& measure : measures.all()) comparison.measures.push_back({.measure = measure});
+  std::vector<std::vector<double>> worst(measures.all().size());  // where the first take was then
+  std::vector<double> there(axes), missed(axes), values(measures.all().size());
+  const TakeLine line(first);
+  for (const std::size_t i : TakeLine(second).samples()) {
+    if (!line.actual_at({second[i].turn, second[i].time}, there, missed)) {
+      ++comparison.only_second;
+      continue;
+    }
+    ++comparison.places;
+    measures.take(there, second.actual(i), values);
+    for (std::size_t m = 0; m < values.size(); ++m) {
+      const bool is_at_rest =
+          std::ranges::all_of(measures.axes_of(m), [&](std::size_t axis) { return second.rests(i, axis); });
+      const double before = std::fabs(comparison.measures[m].errors.all().worst());
+      comparison.measures[m].errors.add(values[m], second[i].time, is_at_rest);
+      if (worst[m].empty() || std::fabs(values[m]) > before) worst[m] = there;
+    }
+  }
+  if (comparison.places == 0) {
+    throw std::runtime_error(
+        fmt::format("error: takes {} and {} have no frame in common; compare takes of one move",
+                    first.number(), second.number()));
+  }
+  for (std::size_t m = 0; m < worst.size(); ++m)
+    comparison.measures[m].interpolation = interpolated_away(measures, m, worst[m], missed);
+  return comparison;
+}
+
+namespace {
+
+/// What the sentence names: the largest of each unit.
+std::vector<const TakeComparison::Of*> worst_of_units(const TakeComparison& comparison) {
+  const bool has_tips = std::ranges::any_of(comparison.measures, [](const TakeComparison::Of& of) {
+    return of.measure.kind == Measure::Kind::distance;
+  });
+  std::vector<const TakeComparison::Of*> largest;
+  for (const TakeComparison::Of& of : comparison.measures) {
+    const Measure::Kind kind = of.measure.kind;
+    if (has_tips ? kind == Measure::Kind::axis || kind == Measure::Kind::angle : kind != Measure::Kind::axis)
+      continue;
+    const auto same = std::ranges::find(largest, of.measure.unit,
+                                        [](const TakeComparison::Of* one) { return one->measure.unit; });
+    if (same == largest.end()) {
+      largest.push_back(&of);
+    } else if (std::fabs(of.errors.all().worst()) > std::fabs((*same)->errors.all().worst())) {
+      *same = &of;
+    }
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::string in_one_sentence(const TakeComparison& comparison) {
+  const std::vector<const TakeComparison::Of*> largest = worst_of_units(comparison);
+  const auto frame_of = [](const TakeComparison::Of* of) { return of->errors.all().worst_at().frame; };
+  const bool is_one_frame =
+      std::ranges::all_of(largest, [&](const auto* of) { return frame_of(of) == frame_of(largest.front()); });
+  std::string words =
+      fmt::format("take {} differs from take {} by at most", comparison.second, comparison.first);
+  std::string separator = " ";
+  for (const TakeComparison::Of* of : largest) {
+    words += separator + in_words(of->errors.all().worst(), of->measure);
+    if (!is_one_frame) words += fmt::format(" at frame {}", frame_of(of));
+    separator = ", ";
+  }
+  return is_one_frame ? words + fmt::format(", at frame {}", frame_of(largest.front())) : words;
+}
+
+}  // namespace inbetween

@@ -1,0 +1,97 @@
+#include "host_tools/takes/take_measures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+namespace inbetween {
+namespace {
+
+constexpr double mm_per_m = 1000;
+
+double length_of(const Vector3& v) {
+  return std::hypot(v.x, v.y, v.z);
+}
+
+}  // namespace
+
+double angle_between(const Rotation3& from, const Rotation3& to) {
+  const Rotation3 turn = inverse(from) * to;
+  // Of a turn by w about u: this vector is 2 sin w u, and the trace is 1 + 2 cos w.
+  const Vector3 sine{turn.y.z - turn.z.y, turn.z.x - turn.x.z, turn.x.y - turn.y.x};
+  const double cosine = turn.x.x + turn.y.y + turn.z.z - 1;
+  return std::atan2(length_of(sine), cosine) * 180 / std::numbers::pi;
+}
+
+std::string in_words(double error, const Measure& measure) {
+  const double magnitude = std::fabs(error);
+  if (!std::isfinite(magnitude)) return "out of sight";
+  if (magnitude == 0) return "0 " + measure.unit;
+  const int decimals = 1 - static_cast<int>(std::floor(std::log10(magnitude)));
+  const double last_digit = std::pow(10.0, -decimals);
+  // A number that has two digits, but for its rounding, stays.
+  constexpr double rounding = 1e-9;
+  const double rounded = std::ceil(magnitude / last_digit * (1 - rounding)) * last_digit;
+  if (magnitude < 1e-4 || magnitude >= 1e6) return fmt::format("{:.1e} {}", rounded, measure.unit);
+  return fmt::format("{:.{}f} {}", rounded, std::max(decimals, 0), measure.unit);
+}
+
+RigMeasures::RigMeasures(const Plan& plan) : kinematics_(plan.kinematics()), axes_(plan.axes().size()) {
+  for (std::size_t i = 0; i < axes_; ++i) {
+    const RigAxis& axis = plan.rig()->axes[i];
+    measures_.push_back({Measure::Kind::axis, axis.name, std::string(to_string(axis.unit))});
+    moved_by_.push_back({i});
+  }
+  if (kinematics_ == nullptr) return;
+  for (const Tip& tip : kinematics_->tips()) {
+    add({Measure::Kind::distance, tip.name, "mm"}, tip);
+    add({Measure::Kind::angle, tip.name, "deg"}, tip);
+  }
+  if (const std::optional<RigLens>& lens = plan.rig()->lens) {
+    const Tip& tip = *std::ranges::find(kinematics_->tips(), lens->tip, &Tip::name);
+    lens_.emplace(*lens);
+    lens_link_ = static_cast<std::size_t>(tip.link);
+    add({Measure::Kind::picture, tip.name, "px"}, tip);
+  }
+}
+
+void RigMeasures::add(Measure measure, const Tip& tip) {
+  measures_.push_back(std::move(measure));
+  std::vector<std::size_t>& axes = moved_by_.emplace_back();
+  for (std::size_t i = 0; i < axes_; ++i) {
+    if (kinematics_->tree().moves(static_cast<std::int32_t>(i), tip.link)) axes.push_back(i);
+  }
+}
+
+std::vector<Pose> RigMeasures::poses(std::span<const double> axes) const {
+  if (kinematics_ == nullptr) return {};
+  std::vector<Pose> poses(kinematics_->tree().joints().size());
+  const Status status = kinematics_->tree().poses(axes, poses);
+  if (!status) {
+    throw std::runtime_error(
+        fmt::format("error: {} is at {}, which is no position of a joint; look at what its drive told",
+                    measures_[static_cast<std::size_t>(status.error().axis)].name,
+                    axes[static_cast<std::size_t>(status.error().axis)]));
+  }
+  return poses;
+}
+
+void RigMeasures::take(std::span<const double> from, std::span<const double> to,
+                       std::span<double> out) const {
+  for (std::size_t i = 0; i < axes_; ++i) out[i] = to[i] - from[i];
+  if (kinematics_ == nullptr) return;
+  const std::vector<Pose> before = poses(from), behind = poses(to);
+  std::size_t at = axes_;
+  for (const Tip& tip : kinematics_->tips()) {
+    const auto link = static_cast<std::size_t>(tip.link);
+    out[at++] = mm_per_m * length_of(behind[link].position - before[link].position);
+    out[at++] = angle_between(before[link].rotation, behind[link].rotation);
+  }
+  if (lens_) out[at] = lens_->shift(before[lens_link_], behind[lens_link_]);
+}
+
+}  // namespace inbetween

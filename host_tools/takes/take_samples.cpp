@@ -1,0 +1,105 @@
+#include "host_tools/takes/take_samples.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "host_tools/text/diagnostics.hpp"
+
+namespace inbetween {
+namespace {
+
+void refuse_other_axes(const Take& take, const Plan& plan) {
+  const bool is_same =
+      plan.rig() && std::ranges::equal(take.axes, plan.axes(), {}, &TakeAxis::name, &PlanAxis::name);
+  if (is_same) return;
+  std::vector<std::string> names;
+  for (const TakeAxis& axis : take.axes) names.push_back(axis.name);
+  throw std::runtime_error(fmt::format(
+      "error: take {} has the axes {}, and the plan has others; plan the move and the rig of the take",
+      take.number, comma_separated(names)));
+}
+
+/// Where the move was told to be, tick after tick.
+class Commands {
+ public:
+  /// The place that this tick commands; nothing where it commands none of the move.
+  std::optional<TakeSample> next(const TakeTick& tick) {
+    const bool plays = tick.state == SupervisorState::running || tick.state == SupervisorState::stopping;
+    const bool holds = tick.state == SupervisorState::ready || tick.state == SupervisorState::latched;
+    if (plays && tick.time) {
+      last_ = TakeSample{.turn = tick.turn, .time = *tick.time};
+    } else if (!holds) {
+      last_.reset();
+    } else if (last_ && tick.time) {
+      last_ = TakeSample{.turn = tick.turn, .time = *tick.time};
+    }
+    return last_;
+  }
+
+ private:
+  std::optional<TakeSample> last_ = {};
+};
+
+bool answers(SupervisorState state) {
+  return state == SupervisorState::running || state == SupervisorState::stopping ||
+         state == SupervisorState::ready || state == SupervisorState::latched;
+}
+
+}  // namespace
+
+TakeSamples::TakeSamples(const Take& take, const Plan& plan)
+    : number_(take.number), rate_hz_(take.rate_hz), frame_rate_(take.frame_rate), axes_(take.axes) {
+  refuse_other_axes(take, plan);
+  take_ticks(take, plan);
+}
+
+void TakeSamples::take_ticks(const Take& take, const Plan& plan) {
+  samples_.reserve(take.ticks_of_take.size());
+  commanded_.reserve(take.ticks_of_take.size() * axes_.size());
+  actual_.reserve(commanded_.capacity());
+  const PlayedMotion& motion = plan.motion();
+  std::vector<double> played(motion.axis_count());
+  Commands commands;
+  std::optional<TakeSample> told;
+  std::int64_t before = -1;
+  for (const TakeTick& tick : take.ticks_of_take) {
+    if (told && tick.number == before + 1 && answers(tick.state)) {
+      if (tick.actual.size() != axes_.size()) {
+        throw std::runtime_error(fmt::format(
+            "error: tick {} of take {} has {} of {}; the take is damaged", tick.number, take.number,
+            counted(static_cast<std::int64_t>(tick.actual.size()), "position"), axes_.size()));
+      }
+      samples_.push_back({.tick = tick.number, .turn = told->turn, .time = told->time});
+      motion.positions(told->time, played);
+      actual_.insert(actual_.end(), tick.actual.begin(), tick.actual.end());
+      for (std::size_t i = 0; i < axes_.size(); ++i) {
+        const PlanAxis& axis = plan.axes()[i];
+        commanded_.push_back(axis.track ? played[axis.move_axis] : actual_[i]);
+      }
+    }
+    told = commands.next(tick);
+    before = tick.number;
+  }
+}
+
+int TakeSamples::direction(std::size_t sample, std::size_t axis) const {
+  if (sample == 0) return 0;
+  const double to = commanded(sample)[axis];
+  const double step = to - commanded(sample - 1)[axis];
+  constexpr double share = 0.01;
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+  if (std::fabs(step) <= std::max(share * axes_[axis].resolution, rounding * std::fabs(to))) return 0;
+  return step > 0 ? 1 : -1;
+}
+
+bool TakeSamples::rests(std::size_t sample, std::size_t axis) const {
+  return sample == 0 ? size() < 2 || direction(1, axis) == 0 : direction(sample, axis) == 0;
+}
+
+}  // namespace inbetween
