@@ -16,7 +16,7 @@ namespace inbetween {
 struct TakeComparison {
   struct Of {
     Measure measure;
-    MeasuredErrors errors;
+    MeasuredErrors errors = {};
     /// How much interpolation may have added to the worst or hidden, estimated (TakeLine); 0 where both takes
     /// have samples at the same times. Of a tip and a picture: the sum of what each axis would do to it,
     /// moved by its own, at the worst place.
@@ -24,9 +24,9 @@ struct TakeComparison {
   };
   std::int64_t first = 0;  ///< numbers of the takes
   std::int64_t second = 0;
-  std::int64_t places = 0;       ///< that were compared
-  std::int64_t only_second = 0;  ///< that the first take does not have
-  std::vector<Of> measures;      ///< in the order of RigMeasures::all()
+  std::int64_t places = 0;        ///< that were compared
+  std::int64_t only_second = 0;   ///< that the first take does not have
+  std::vector<Of> measures = {};  ///< in the order of RigMeasures::all()
 };
 
 /// `plan` is that of the second take; both are of the same rig. The picture's marks are those of the first.

@@ -15,11 +15,11 @@ struct TakeErrors {
   struct Of {
     Measure measure;
     bool is_held = false;  ///< an axis in no track: against where it was at first
-    MeasuredErrors errors;
+    MeasuredErrors errors = {};
   };
   std::int64_t number = 0;
   std::int64_t samples = 0;
-  std::vector<Of> measures;  ///< in the order of RigMeasures::all()
+  std::vector<Of> measures = {};  ///< in the order of RigMeasures::all()
 };
 
 /// A measure is at rest where all axes that move it rest (TakeSamples::rests). The picture's marks are those

@@ -11,8 +11,6 @@
 namespace inbetween {
 namespace {
 
-constexpr double mm_per_m = 1000;
-
 double length_of(const Vector3& v) {
   return std::hypot(v.x, v.y, v.z);
 }

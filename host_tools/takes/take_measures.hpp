@@ -15,6 +15,8 @@
 
 namespace inbetween {
 
+inline constexpr double mm_per_m = 1000;
+
 struct Measure {
   enum class Kind : std::uint8_t {
     axis,      ///< how much further an axis is, with its sign

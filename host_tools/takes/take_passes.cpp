@@ -14,8 +14,6 @@
 namespace inbetween {
 namespace {
 
-constexpr double mm_per_m = 1000;
-
 double distance_of(const Vector3& a, const Vector3& b) {
   return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
 }

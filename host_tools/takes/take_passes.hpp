@@ -37,14 +37,14 @@ struct PathFrame {
 struct PathReport {
   struct Of {
     Measure measure;  ///< of kind axis, distance or picture
-    PathFigures largest;
+    PathFigures largest = {};
     FrameTime accuracy_at = {}, repeatability_at = {};
-    std::vector<PathFrame> frames;  ///< in their order
+    std::vector<PathFrame> frames = {};  ///< in their order
   };
-  std::vector<std::int64_t> takes;  ///< their numbers
+  std::vector<std::int64_t> takes = {};  ///< their numbers
   std::int64_t places = 0;    ///< that were measured: where the first take leads on and all others were too
   std::int64_t left_out = 0;  ///< where the first leads on and another was not
-  std::vector<Of> measures;
+  std::vector<Of> measures = {};
 };
 
 /// All takes are of one plan. The places are those of the first take (TakeLine); the others are interpolated

@@ -32,7 +32,7 @@ struct AxisTrend {
 
 struct TakeTrend {
   std::int64_t number = 0;
-  std::vector<AxisTrend> axes;  ///< of the rig, in its order
+  std::vector<AxisTrend> axes = {};  ///< of the rig, in its order
 };
 
 /// Of the ticks before and behind a turn so many seconds count, in which the axis goes that way.
