@@ -44,7 +44,8 @@ Range values_of_trend(const TrendPlotRow& row) {
   for (const std::optional<double>& value : row.values) {
     if (value) include(*value);
   }
-  return range;
+  // Nothing but zeros stand on the lower edge.
+  return range.size() == 0 ? Range{0, 1} : range;
 }
 
 void draw_trend_line(Canvas& canvas, const TrendPlotRow& row, const Scale& x, const Scale& y, Color color) {
@@ -77,6 +78,10 @@ void draw_take_numbers(Canvas& canvas, const Box& area, const TrendPlot& plot, c
     at.push_back(x(static_cast<double>(i)));
     labels.push_back(fmt::format("{}", plot.takes[i]));
   }
+  if ((plot.takes.size() - 1) % step != 0) {
+    at.push_back(x(static_cast<double>(plot.takes.size() - 1)));
+    labels.push_back(fmt::format("{}", plot.takes.back()));
+  }
   draw_row_of_labels(canvas, at, area.bottom() + 16, labels,
                      {.size = 11, .color = plot_color::quiet, .align = Align::center});
 }
@@ -86,12 +91,12 @@ void draw_trend_panel(Canvas& canvas, const Box& area, const TrendPlot& plot, co
   const auto count = static_cast<double>(plot.takes.size());
   const Scale x(widened({-0.5, std::max(count, 1.0) - 0.5}, 0.01), area.x, area.right());
   const Scale y(widened(values_of_trend(row), 0.1), area.bottom(), area.y);
-  const TickLabels labels = draw_left_ticks(canvas, area, y);
+  const bool is_empty = std::ranges::none_of(row.values, [](const auto& value) { return value.has_value(); });
+  const TickLabels labels = is_empty ? TickLabels{} : draw_left_ticks(canvas, area, y);
   canvas.outline(area, {plot_color::frame});
   const TextStyle title{.size = 11, .color = plot_color::quiet};
   canvas.text({area.x, area.y - 6},
               elided(canvas, axis_title(row.quantity, row.unit, labels), title, area.width), title);
-  const bool is_empty = std::ranges::none_of(row.values, [](const auto& value) { return value.has_value(); });
   if (is_empty) {
     canvas.text({area.x + area.width / 2, area.y + area.height / 2}, "none",
                 {.size = 11, .color = plot_color::quiet, .align = Align::center});

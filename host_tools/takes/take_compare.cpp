@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <stdexcept>
 
 #include "host_tools/takes/take_line.hpp"
@@ -21,21 +20,6 @@ void refuse_other_takes(const TakeSamples& first, const TakeSamples& second) {
                                        second.number(), first.number()));
 }
 
-/// What each axis, moved by `missed`, would do to the measure there.
-double interpolated_away(const RigMeasures& measures, std::size_t measure, std::span<const double> place,
-                         std::span<const double> missed) {
-  std::vector<double> values(measures.all().size());
-  double sum = 0;
-  for (const std::size_t axis : measures.axes_of(measure)) {
-    if (missed[axis] == 0) continue;
-    std::vector<double> away(place.begin(), place.end());
-    away[axis] += missed[axis];
-    measures.take(place, away, values);
-    sum += std::fabs(values[measure]);
-  }
-  return sum;
-}
-
 }  // namespace
 
 TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second, const Plan& plan) {
@@ -46,8 +30,8 @@ TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second
   for (const Measure& measure : measures.all()) comparison.measures.push_back({.measure = measure});
   std::vector<std::vector<double>> worst(measures.all().size());  // where the first take was then
   std::vector<double> there(axes), missed(axes), values(measures.all().size());
-  const TakeLine line(first);
-  for (const std::size_t i : TakeLine(second).samples()) {
+  const TakeLine line(first), leading(second);
+  for (const std::size_t i : leading.samples()) {
     if (!line.actual_at({second[i].turn, second[i].time}, there, missed)) {
       ++comparison.only_second;
       continue;
@@ -68,7 +52,7 @@ TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second
                     first.number(), second.number()));
   }
   for (std::size_t m = 0; m < worst.size(); ++m)
-    comparison.measures[m].interpolation = interpolated_away(measures, m, worst[m], missed);
+    comparison.measures[m].interpolation = measures.effect_of(missed, worst[m], m);
   return comparison;
 }
 

@@ -170,6 +170,11 @@ void print_path_report(const PathReport& report, std::FILE* out) {
                number_of(of.largest.accuracy), in_frames(of.accuracy_at), number_of(of.largest.repeatability),
                in_frames(of.repeatability_at), of.measure.unit);
   }
+  for (const PathReport::Of& of : report.measures) {
+    if (of.interpolation == 0) continue;
+    fmt::print(out, "  {}: some are between ticks, and their interpolation may be off by {}\n",
+               label_of(of.measure), in_words(of.interpolation, of.measure));
+  }
   if (report.left_out > 0) {
     fmt::print(out, "  {} of take {} were not in all takes and are left out\n",
                counted(report.left_out, "tick"), report.takes.front());
@@ -183,6 +188,7 @@ void write_path_report(JsonWriter& json, const PathReport& report) {
   json.member("left_out", report.left_out);
   json.objects("measures", report.measures, [&](const PathReport::Of& of) {
     write_measure(json, of.measure);
+    json.member("interpolation", of.interpolation);
     json.member("accuracy", of.largest.accuracy);
     json.member("accuracy_frame", in_frames(of.accuracy_at));
     json.member("repeatability", of.largest.repeatability);

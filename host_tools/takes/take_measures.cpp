@@ -92,4 +92,18 @@ void RigMeasures::take(std::span<const double> from, std::span<const double> to,
   if (lens_) out[at] = lens_->shift(before[lens_link_], behind[lens_link_]);
 }
 
+double RigMeasures::effect_of(std::span<const double> errors, std::span<const double> place,
+                              std::size_t measure) const {
+  std::vector<double> values(measures_.size());
+  double sum = 0;
+  for (const std::size_t axis : axes_of(measure)) {
+    if (errors[axis] == 0) continue;
+    std::vector<double> away(place.begin(), place.end());
+    away[axis] += errors[axis];
+    take(place, away, values);
+    sum += std::fabs(values[measure]);
+  }
+  return sum;
+}
+
 }  // namespace inbetween

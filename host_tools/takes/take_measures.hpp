@@ -48,6 +48,10 @@ class RigMeasures {
   /// Every measure of `to` against `from`, into `out`. O(joints + axes).
   void take(std::span<const double> from, std::span<const double> to, std::span<double> out) const;
 
+  /// What errors of the axes may do to a measure at a place: the sum of what each does alone.
+  [[nodiscard]] double effect_of(std::span<const double> errors, std::span<const double> place,
+                                 std::size_t measure) const;
+
   [[nodiscard]] const std::shared_ptr<const Kinematics>& kinematics() const { return kinematics_; }
   /// The lens and the link that it is at.
   [[nodiscard]] const std::optional<LensView>& lens() const { return lens_; }

@@ -138,6 +138,17 @@ void add_posture(Postures& now, const RigMeasures& measures, const FrameTime& at
   }
 }
 
+/// `worst`: where the rig was commanded to be at accuracy_at of each.
+void add_interpolation(const RigMeasures& measures, std::span<const double> missed,
+                       const std::vector<std::vector<double>>& worst, std::vector<PathReport::Of>& all) {
+  std::size_t at = 0;
+  for (std::size_t m = 0; m < measures.all().size(); ++m) {
+    if (measures.all()[m].kind == Measure::Kind::angle) continue;
+    all[at].interpolation = measures.effect_of(missed, worst[at], m);
+    ++at;
+  }
+}
+
 }  // namespace
 
 PathReport path_report(std::span<const TakeSamples> takes, const Plan& plan) {
@@ -154,6 +165,7 @@ PathReport path_report(std::span<const TakeSamples> takes, const Plan& plan) {
   std::vector<std::vector<double>> passes(takes.size(), std::vector<double>(axes));
   std::vector<double> missed(axes);
   Postures now(measures, takes.size());
+  std::vector<std::vector<double>> worst(report.measures.size());
   for (const std::size_t i : lines.front().samples()) {
     bool is_everywhere = true;
     for (std::size_t k = 0; k < takes.size(); ++k) {
@@ -166,10 +178,15 @@ PathReport path_report(std::span<const TakeSamples> takes, const Plan& plan) {
     ++report.places;
     now.take(grid.commanded(i), passes);
     add_posture(now, measures, grid[i].time, report.measures);
+    for (std::size_t m = 0; m < report.measures.size(); ++m) {
+      if (report.measures[m].accuracy_at == grid[i].time)
+        worst[m].assign(grid.commanded(i).begin(), grid.commanded(i).end());
+    }
   }
   if (report.places == 0) {
     throw std::runtime_error("error: the takes have no frame in common; name takes of one move");
   }
+  add_interpolation(measures, missed, worst, report.measures);
   return report;
 }
 

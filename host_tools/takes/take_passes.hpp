@@ -39,6 +39,9 @@ struct PathReport {
     Measure measure;  ///< of kind axis, distance or picture
     PathFigures largest = {};
     FrameTime accuracy_at = {}, repeatability_at = {};
+    /// How far a pass may be from where interpolation puts it, estimated as in TakeComparison at the place of
+    /// `accuracy_at`; 0 where all takes have samples at the same times.
+    double interpolation = 0;
     std::vector<PathFrame> frames = {};  ///< in their order
   };
   std::vector<std::int64_t> takes = {};  ///< their numbers
