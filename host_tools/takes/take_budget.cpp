@@ -52,7 +52,7 @@ std::optional<double> units_in(const Measure& measure, TakeBudget::Unit unit, bo
 
 [[noreturn]] void refuse_unit(TakeBudget::Unit unit) {
   throw std::runtime_error(fmt::format(
-      "error: nothing of the rig is measured in {}; {}", name_of(unit),
+      "inbetween: error: nothing of the rig is measured in {}; {}", name_of(unit),
       unit == TakeBudget::Unit::px
           ? "add [lens] to the file of the rig, and record takes with it, or give the budget in another unit"
           : "give the budget in another unit"));
@@ -78,9 +78,9 @@ BudgetVerdict judge_all(const TakeBudget& budget, const std::vector<Judged>& all
   if (!is_measured) refuse_unit(budget.unit);
   verdict.holds = verdict.largest <= budget.largest;
   verdict.sentence =
-      fmt::format("{} is off by {} at frame {:.0f}, {} the budget of {} {}", in_quotes(verdict.name),
-                  in_words(verdict.largest, unit), std::floor(verdict.frame),
-                  verdict.holds ? "within" : "over", budget.largest, unit.unit);
+      fmt::format("{} is {}{} at frame {:.0f}, {} the budget of {} {}", in_quotes(verdict.name),
+                  std::isfinite(verdict.largest) ? "off by " : "", in_words(verdict.largest, unit),
+                  std::floor(verdict.frame), verdict.holds ? "within" : "over", budget.largest, unit.unit);
   return verdict;
 }
 
@@ -94,9 +94,9 @@ TakeBudget parse_budget(std::string_view text) {
   const auto known = std::ranges::find(budget_units, unit);
   if (error != std::errc() || known == budget_units.end() || !(budget.largest >= 0) ||
       !std::isfinite(budget.largest)) {
-    throw std::runtime_error(
-        fmt::format("error: {} is no budget; write a number from 0 with mm, deg or px, such as 1px or 0.2mm",
-                    in_quotes(text)));
+    throw std::runtime_error(fmt::format(
+        "inbetween: error: {} is no budget; write a number from 0 with mm, deg or px, such as 1px or 0.2mm",
+        in_quotes(text)));
   }
   budget.unit = static_cast<TakeBudget::Unit>(known - budget_units.begin());
   return budget;
@@ -114,7 +114,7 @@ BudgetVerdict judge(const TakeBudget& budget, const TakeComparison& comparison) 
 BudgetVerdict judge(const TakeBudget& budget, const TakeErrors& errors) {
   if (errors.samples == 0) {
     throw std::runtime_error(
-        fmt::format("error: take {} has no tick of the move; a budget needs one", errors.number));
+        fmt::format("inbetween: error: take {} has no tick of the move; a budget needs one", errors.number));
   }
   std::vector<Judged> all;
   for (const TakeErrors::Of& of : errors.measures) {

@@ -16,8 +16,9 @@ void refuse_other_takes(const TakeSamples& first, const TakeSamples& second) {
     return a.name == b.name && a.unit == b.unit;
   };
   if (std::ranges::equal(first.axes(), second.axes(), is_same)) return;
-  throw std::runtime_error(fmt::format("error: take {} has other axes than take {}; compare takes of one rig",
-                                       second.number(), first.number()));
+  throw std::runtime_error(
+      fmt::format("inbetween: error: take {} has other axes than take {}; compare takes of one rig",
+                  second.number(), first.number()));
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second
   }
   if (comparison.places == 0) {
     throw std::runtime_error(
-        fmt::format("error: takes {} and {} have no frame in common; compare takes of one move",
+        fmt::format("inbetween: error: takes {} and {} have no frame in common; compare takes of one move",
                     first.number(), second.number()));
   }
   for (std::size_t m = 0; m < worst.size(); ++m)

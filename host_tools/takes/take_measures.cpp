@@ -70,10 +70,10 @@ std::vector<Pose> RigMeasures::poses(std::span<const double> axes) const {
   std::vector<Pose> poses(kinematics_->tree().joints().size());
   const Status status = kinematics_->tree().poses(axes, poses);
   if (!status) {
-    throw std::runtime_error(
-        fmt::format("error: {} is at {}, which is no position of a joint; look at what its drive told",
-                    measures_[static_cast<std::size_t>(status.error().axis)].name,
-                    axes[static_cast<std::size_t>(status.error().axis)]));
+    throw std::runtime_error(fmt::format(
+        "inbetween: error: {} is at {}, which is no position of a joint; look at what its drive told",
+        measures_[static_cast<std::size_t>(status.error().axis)].name,
+        axes[static_cast<std::size_t>(status.error().axis)]));
   }
   return poses;
 }

@@ -101,12 +101,13 @@ void add(PathReport::Of& of, const PathFigures& figures, const FrameTime& at) {
 }
 
 void refuse_passes(std::span<const TakeSamples> takes) {
-  if (takes.size() < 2) throw std::runtime_error("error: repeatability is between takes; name two or more");
+  if (takes.size() < 2)
+    throw std::runtime_error("inbetween: error: repeatability is between takes; name two or more");
   for (const TakeSamples& take : takes) {
     if (std::ranges::equal(take.axes(), takes.front().axes(), {}, &TakeAxis::name, &TakeAxis::name)) continue;
     throw std::runtime_error(
-        fmt::format("error: take {} has other axes than take {}; compare takes of one rig", take.number(),
-                    takes.front().number()));
+        fmt::format("inbetween: error: take {} has other axes than take {}; compare takes of one rig",
+                    take.number(), takes.front().number()));
   }
 }
 
@@ -184,7 +185,7 @@ PathReport path_report(std::span<const TakeSamples> takes, const Plan& plan) {
     }
   }
   if (report.places == 0) {
-    throw std::runtime_error("error: the takes have no frame in common; name takes of one move");
+    throw std::runtime_error("inbetween: error: the takes have no frame in common; name takes of one move");
   }
   add_interpolation(measures, missed, worst, report.measures);
   return report;

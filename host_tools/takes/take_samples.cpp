@@ -15,14 +15,17 @@ namespace inbetween {
 namespace {
 
 void refuse_other_axes(const Take& take, const Plan& plan) {
-  const bool is_same =
-      plan.rig() && std::ranges::equal(take.axes, plan.axes(), {}, &TakeAxis::name, &PlanAxis::name);
+  const auto is_axis = [](const TakeAxis& axis, const RigAxis& of_rig) {
+    return axis.name == of_rig.name && axis.unit == to_string(of_rig.unit);
+  };
+  const bool is_same = plan.rig() && std::ranges::equal(take.axes, plan.rig()->axes, is_axis);
   if (is_same) return;
   std::vector<std::string> names;
   for (const TakeAxis& axis : take.axes) names.push_back(axis.name);
-  throw std::runtime_error(fmt::format(
-      "error: take {} has the axes {}, and the plan has others; plan the move and the rig of the take",
-      take.number, comma_separated(names)));
+  throw std::runtime_error(
+      fmt::format("inbetween: error: take {} has the axes {}, and the plan has others; plan the move and the "
+                  "rig of the take",
+                  take.number, comma_separated(names)));
 }
 
 /// Where the move was told to be, tick after tick.
@@ -72,8 +75,8 @@ void TakeSamples::take_ticks(const Take& take, const Plan& plan) {
     if (told && tick.number == before + 1 && answers(tick.state)) {
       if (tick.actual.size() != axes_.size()) {
         throw std::runtime_error(fmt::format(
-            "error: tick {} of take {} has {} of {}; the take is damaged", tick.number, take.number,
-            counted(static_cast<std::int64_t>(tick.actual.size()), "position"), axes_.size()));
+            "inbetween: error: tick {} of take {} has {} of {}; the take is damaged", tick.number,
+            take.number, counted(static_cast<std::int64_t>(tick.actual.size()), "position"), axes_.size()));
       }
       samples_.push_back({.tick = tick.number, .turn = told->turn, .time = told->time});
       motion.positions(told->time, played);

@@ -332,6 +332,9 @@ TEST(TrendPlot, HasAPanelForEachAxisAndQuantity) {
     EXPECT_THAT(file_contents(folder.path() / name), StartsWith(magic));
   }
   draw_trend_plot(trend_plot("nothing", {}), folder.path() / "none.svg");
+  TrendPlot short_row = plot;
+  short_row.axes[0].rows[1].values.pop_back();
+  EXPECT_THROW(draw_trend_plot(short_row, folder.path() / "short.svg"), std::invalid_argument);
 }
 
 }  // namespace take_compare_test

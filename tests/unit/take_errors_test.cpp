@@ -164,6 +164,9 @@ TEST(TakeSamples, OfAnotherRigAreRefused) {
   const Plan plan = plan_of(there, rig);
   const Plan other = plan_of(there, rig_text({{.name = "slide"}, {.name = "tilt", .unit = "deg"}}));
   EXPECT_THROW(TakeSamples(played_take(plan), other), std::runtime_error);
+  const Plan in_m =
+      plan_of(there, rig_text({{.name = "slide", .unit = "m"}, {.name = "pan", .unit = "deg"}}));
+  EXPECT_THROW(TakeSamples(played_take(plan), in_m), std::runtime_error);
   Take damaged = played_take(plan);
   damaged.ticks_of_take[7].actual.pop_back();
   EXPECT_THROW(TakeSamples(damaged, plan), std::runtime_error);
@@ -210,6 +213,18 @@ TEST(TakeErrors, OfACraneAreThoseOfItsTipAndItsPicture) {
   EXPECT_GT(pixels, 0.1);
   EXPECT_LT(pixels, 1.2) << "5689 px a unit of the slope, 2 m away";
   EXPECT_EQ(errors.measures[8].errors.all().worst_at(), frame_time_of_tick(999, {24, 1}, 250));
+}
+
+TEST(TakeErrors, WhereTheLensLooksElsewhereAreOutOfSight) {
+  const Plan plan = plan_of_crane();
+  const auto error = [](std::int64_t tick, std::size_t axis) {
+    return tick == 1000 && axis == 3 ? 100.0 : 0.0;
+  };
+  const TakeErrors errors = errors_of({played_take(plan, {.error = error}), plan}, plan);
+  EXPECT_TRUE(std::isinf(errors.measures[8].errors.all().worst()));
+  const BudgetVerdict verdict = judge({.largest = 1e9, .unit = TakeBudget::Unit::px}, errors);
+  EXPECT_FALSE(verdict.holds);
+  EXPECT_THAT(verdict.sentence, HasSubstr("\"camera\" is out of sight at frame 95, over the budget"));
 }
 
 TEST(TakeBudget, IsANumberAndAUnit) {
