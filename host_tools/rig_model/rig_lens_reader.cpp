@@ -48,7 +48,7 @@ std::string read_lens_tip(const TomlTable& table, const RigKinematics& kinematic
                      fmt::format("the lens does not say at which tip it is; write tip = {}, one of {}",
                                  in_quotes(kinematics.tips.front().name), names()));
   }
-  const std::string name = value->text();
+  std::string name = value->text();
   if (std::ranges::find(kinematics.tips, name, &RigTip::name) == kinematics.tips.end()) {
     value->refuse(fmt::format("is {}, which is no tip of [kinematics]; write one of {}, or add it there",
                               in_quotes(name), names()));

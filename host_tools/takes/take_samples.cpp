@@ -28,19 +28,26 @@ void refuse_other_axes(const Take& take, const Plan& plan) {
                   take.number, comma_separated(names)));
 }
 
+/// Whether drives are told setpoints (MotionLoop::sends_setpoints).
+bool answers(SupervisorState state) {
+  return state == SupervisorState::running || state == SupervisorState::stopping ||
+         state == SupervisorState::ready || state == SupervisorState::latched;
+}
+
 /// Where the move was told to be, tick after tick.
 class Commands {
  public:
   /// The place that this tick commands; nothing where it commands none of the move.
   std::optional<TakeSample> next(const TakeTick& tick) {
     const bool plays = tick.state == SupervisorState::running || tick.state == SupervisorState::stopping;
-    const bool holds = tick.state == SupervisorState::ready || tick.state == SupervisorState::latched;
-    if (plays && tick.time) {
-      last_ = TakeSample{.turn = tick.turn, .time = *tick.time};
-    } else if (!holds) {
+    std::optional<TakeSample> here;
+    if (tick.time) here = TakeSample{.turn = tick.turn, .time = *tick.time};
+    if (plays) {
+      last_ = here;  // without a time something else moves the rig
+    } else if (!answers(tick.state)) {
       last_.reset();
-    } else if (last_ && tick.time) {
-      last_ = TakeSample{.turn = tick.turn, .time = *tick.time};
+    } else if (last_ && here) {
+      last_ = here;
     }
     return last_;
   }
@@ -48,11 +55,6 @@ class Commands {
  private:
   std::optional<TakeSample> last_ = {};
 };
-
-bool answers(SupervisorState state) {
-  return state == SupervisorState::running || state == SupervisorState::stopping ||
-         state == SupervisorState::ready || state == SupervisorState::latched;
-}
 
 }  // namespace
 

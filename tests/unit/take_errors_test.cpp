@@ -148,6 +148,16 @@ TEST(TakeSamples, ARigThatIsToldNothingIsNotMeasured) {
   EXPECT_EQ(samples[89].tick, 121);
 }
 
+TEST(TakeSamples, AMotionThatIsNotTheMoveIsNotMeasured) {
+  const Plan plan = plan_of(there, rig);
+  Take take = played_take(plan);
+  for (std::size_t i = 100; i < 110; ++i) take.ticks_of_take[i].time.reset();
+  const TakeSamples samples(take, plan);
+  EXPECT_EQ(samples.size(), take.ticks_of_take.size() - 1 - 10);
+  EXPECT_EQ(samples[99].tick, 100);
+  EXPECT_EQ(samples[100].tick, 111);
+}
+
 TEST(TakeSamples, BehindTheEndTheLastSetpointIsHeld) {
   const Plan plan = plan_of(there, rig);
   Take take = played_take(plan);
