@@ -185,7 +185,8 @@ TEST(TakeErrorsProperty, BetweenTicksATakeOnItsPathIsOffByNoMoreThanTheBound) {
                       {played_take(crane(), {.number = 2, .phase = phase}), crane()}, crane());
     for (const TakeComparison::Of& of : comparison.measures) {
       RC_ASSERT(of.interpolation > 0);
-      RC_ASSERT(std::fabs(of.errors.all().worst()) <= 1.001 * of.interpolation);
+      // The roll rests but for rounding, and a pixel has more of that.
+      RC_ASSERT(std::fabs(of.errors.all().worst()) <= 1.001 * of.interpolation + 1e-9);
     }
   });
 }

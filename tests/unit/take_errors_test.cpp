@@ -219,6 +219,8 @@ TEST(TakeErrors, OfACraneAreThoseOfItsTipAndItsPicture) {
   EXPECT_EQ(errors.measures[6].measure.name, "camera");
   EXPECT_NEAR(errors.measures[6].errors.all().worst(), 0.3, 1e-9);
   EXPECT_NEAR(errors.measures[7].errors.all().worst(), 0, 1e-9);
+  EXPECT_LT(errors.measures[6].errors.at_rest().count(), 60) << "not wherever the roll rests";
+  EXPECT_EQ(errors.measures[5].errors.moving().count(), 0);
   const double pixels = errors.measures[8].errors.all().worst();
   EXPECT_GT(pixels, 0.1);
   EXPECT_LT(pixels, 1.2) << "5689 px a unit of the slope, 2 m away";
