@@ -21,7 +21,7 @@
 #include "host_tools/move_model/speed_rewrite.hpp"
 #include "host_tools/plot/plot_limits.hpp"
 #include "host_tools/text/output_file.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {

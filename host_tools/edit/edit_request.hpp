@@ -8,7 +8,7 @@
 
 #include "host_tools/fit/motion_fit.hpp"
 #include "host_tools/move_model/move_rewrite.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 

@@ -14,7 +14,7 @@
 #include "host_tools/fit/fewest_fit.hpp"
 #include "host_tools/fit/speed_fit.hpp"
 #include "host_tools/move_model/speed_rewrite.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 #include "inbetween/base/hash.hpp"
 
 namespace inbetween {

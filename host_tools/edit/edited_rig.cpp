@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "host_tools/edit/edit_session.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -1,6 +1,6 @@
 #include "host_tools/edit/page_files.hpp"
 
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -271,9 +271,9 @@ Kinematics::Kinematics(const UrdfFile& urdf, const RigFile& rig)
       tips_(tips_of(urdf, rig)),
       links_(urdf.links) {}
 
-Kinematics read_kinematics(const RigFile& rig) {
-  const std::filesystem::path folder = std::filesystem::path(rig.path).parent_path();
-  return {read_urdf_file(folder / rig.kinematics->urdf), rig};
+Kinematics read_kinematics(const RigFile& rig, const TextReader& read) {
+  const std::filesystem::path path = std::filesystem::path(rig.path).parent_path() / rig.kinematics->urdf;
+  return {parse_urdf(read(path), path.string()), rig};
 }
 
 }  // namespace inbetween

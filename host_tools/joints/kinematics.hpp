@@ -11,6 +11,7 @@
 
 #include "host_tools/joints/urdf_file.hpp"
 #include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/text_file.hpp"
 #include "inbetween/joints/joint_tree.hpp"
 
 namespace inbetween {
@@ -45,8 +46,8 @@ class Kinematics {
   std::vector<std::string> links_;
 };
 
-/// Reads the URDF file that the rig names, from the folder of the rig's file. `rig` has a section
+/// The URDF file that the rig names, in the folder of the rig's file, read by `read`. `rig` has a section
 /// [kinematics].
-Kinematics read_kinematics(const RigFile& rig);
+Kinematics read_kinematics(const RigFile& rig, const TextReader& read = read_text_file);
 
 }  // namespace inbetween

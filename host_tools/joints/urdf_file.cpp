@@ -286,8 +286,4 @@ UrdfFile parse_urdf(std::string_view text, const std::string& file_name) {
   return ordered(ReadParts(root), file_name);
 }
 
-UrdfFile read_urdf_file(const std::filesystem::path& path) {
-  return parse_urdf(read_text_file(path), path.string());
-}
-
 }  // namespace inbetween

@@ -63,10 +63,8 @@ struct UrdfFile {
   std::vector<Warning> warnings;
 };
 
-/// Reads and checks a URDF file. Throws InputError with the line of the first thing that is wrong.
-UrdfFile read_urdf_file(const std::filesystem::path& path);
-
-/// The same from text; `file_name` stands in places and in UrdfFile::path.
+/// Reads and checks the text of a URDF file. `file_name` stands in places and in UrdfFile::path. Throws
+/// InputError with the line of the first thing that is wrong.
 UrdfFile parse_urdf(std::string_view text, const std::string& file_name);
 
 }  // namespace inbetween

@@ -269,7 +269,8 @@ void read_periodic(const TomlTable& table, MoveTrack& track) {
                                track.speed.back(), track.speed.front()));
 }
 
-MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::string, Place>& taken_axes) {
+MoveTrack read_track(const TomlValue& value, std::int32_t frames, const TextReader& read,
+                     std::map<std::string, Place>& taken_axes) {
   const TomlTable table(value.table(), "a track", track_fields);
   MoveTrack track;
   track.place = table.place();
@@ -291,7 +292,7 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, std::map<std::
   }
   read_space(table, track);
   if (!track.space) read_counting(table, track);
-  read_network(table, frames, track);
+  read_network(table, frames, read, track);
   read_keys(table, frames, track);
   if (track.network) check_network_keys(track, frames);
   refuse_rest(table, track);
@@ -366,7 +367,7 @@ bool is_over_time(const MoveTrack& track) {
   return track.timing == Timing::frames && kinetic_of(track) == MoveKinetic::curves;
 }
 
-MoveFile parse_move(std::string_view text, const std::string& file_name) {
+MoveFile parse_move(std::string_view text, const std::string& file_name, const TextReader& read) {
   const toml::table root = parse_toml(text, file_name);
   if (root.empty()) {
     throw InputError(place_of(root), "the file is empty; a move has name, fps, frames and a [[track]]");
@@ -382,10 +383,18 @@ MoveFile parse_move(std::string_view text, const std::string& file_name) {
   std::map<std::string, Place> taken_axes;
   for (const TomlValue& track :
        table.required("track", "a [[track]] with axes, keys and speed").tables(max_tracks)) {
-    move.tracks.push_back(read_track(track, move.frames, taken_axes));
+    move.tracks.push_back(read_track(track, move.frames, read, taken_axes));
   }
   read_cues(table, move);
   return move;
+}
+
+std::vector<std::string> files_beside(const MoveFile& move) {
+  std::vector<std::string> files;
+  for (const MoveTrack& track : move.tracks) {
+    if (track.network) files.insert(files.end(), track.network->files.begin(), track.network->files.end());
+  }
+  return files;
 }
 
 MoveFile read_move_file(const std::filesystem::path& path) {

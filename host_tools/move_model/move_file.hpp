@@ -17,6 +17,7 @@
 #include "host_tools/move_model/move_cue.hpp"
 #include "host_tools/rig_model/move_unit.hpp"
 #include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/text_file.hpp"
 #include "inbetween/path/path.hpp"
 #include "inbetween/timing/frame_time.hpp"
 #include "inbetween/timing/track.hpp"
@@ -129,6 +130,7 @@ struct MoveNetwork {
   std::vector<double> places;    // of each axis or point in the row, not falling
   std::vector<DrawnAxis> drawn;  // in the order of the axes, or of the coordinates of the points
   Place place;
+  std::vector<std::string> files = {};  // that it was read from, with the folder of the move
 };
 
 struct MoveTrack {
@@ -206,7 +208,11 @@ void replace_curve(MoveTrack& track, std::vector<double> control_values);
 /// Reads and checks a move. Throws InputError at the first thing that is wrong.
 MoveFile read_move_file(const std::filesystem::path& path);
 
-/// The same from text; `file_name` stands in places and in MoveFile::path.
-MoveFile parse_move(std::string_view text, const std::string& file_name);
+/// The same from text; `file_name` stands in places and in MoveFile::path. `read` reads the files that it
+/// names.
+MoveFile parse_move(std::string_view text, const std::string& file_name,
+                    const TextReader& read = read_text_file);
+/// The files that a move names.
+std::vector<std::string> files_beside(const MoveFile& move);
 
 }  // namespace inbetween

@@ -12,7 +12,6 @@
 
 #include "host_tools/move_model/move_readers.hpp"
 #include "host_tools/text/csv_table.hpp"
-#include "host_tools/text/toml_source.hpp"
 
 namespace inbetween {
 namespace {
@@ -180,14 +179,14 @@ void read_csv(const CsvTable& table, const std::string& axis, std::int32_t frame
   refuse_unfinished(drawn, frames, {table.path, table.rows.empty() ? 1 : table.rows.back().line, 0});
 }
 
-CsvTable read_csv_beside(const TomlValue& value) {
+CsvTable read_csv_beside(const TomlValue& value, const TextReader& read) {
   const std::string name = value.text();
   if (name.find('/') != std::string::npos) {
     value.refuse(fmt::format("is {}; put the file beside that of the move, and write its name alone",
                              in_quotes(name)));
   }
   const std::filesystem::path path = std::filesystem::path(value.place().file).parent_path() / name;
-  return parse_csv(read_text_file(path), path.string());
+  return parse_csv(read(path), path.string());
 }
 
 /// The columns tip.x, tip.y and tip.z, in metres. All three have the same frames.
@@ -208,8 +207,8 @@ void read_csv_in_space(const CsvTable& table, const std::string& tip, std::int32
 }
 
 /// What is drawn of an entry of the row: one curve of an axis, three of a point.
-void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, const MoveTrack& track,
-                MoveNetwork& network) {
+void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, const TextReader& read,
+                const MoveTrack& track, MoveNetwork& network) {
   const std::string& name = row_of(track)[index];
   const std::size_t curves = track.space ? world_coordinates : 1;
   const MoveUnit unit_of_axes = track.units.empty() ? MoveUnit::of_rig : track.units[index];
@@ -221,21 +220,22 @@ void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, 
   }
   const std::span<DrawnAxis> drawn = std::span(network.drawn).subspan(first);
   if (curve.node().is_array()) return read_points(curve, frames, track, drawn);
-  const CsvTable table = read_csv_beside(curve);
+  const CsvTable table = read_csv_beside(curve, read);
+  if (std::ranges::count(network.files, table.path) == 0) network.files.push_back(table.path);
   if (track.space) return read_csv_in_space(table, name, frames, drawn);
   read_csv(table, name, frames, drawn.front());
 }
 
 }  // namespace
 
-void read_network(const TomlTable& table, std::int32_t frames, MoveTrack& track) {
+void read_network(const TomlTable& table, std::int32_t frames, const TextReader& read, MoveTrack& track) {
   const auto network = table.optional("network");
   if (!network || !network->boolean()) {
     return table.refuse_any({"places", "drawn"}, "belongs to a network; add network = true, or remove it");
   }
   refuse_other_curves(table, *network, track);
   refuse_other_keys(table, track);
-  MoveNetwork read{.places = read_places(table, track), .drawn = {}, .place = network->place()};
+  MoveNetwork made{.places = read_places(table, track), .drawn = {}, .place = network->place()};
   const std::string_view example = track.space ? R"(drawn = { NAME_OF_A_POINT = "curve.csv" })"
                                                : R"(drawn = { NAME_OF_AN_AXIS = "curve.csv" })";
   const TomlValue drawn = table.required("drawn", example);
@@ -245,13 +245,13 @@ void read_network(const TomlTable& table, std::int32_t frames, MoveTrack& track)
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto value = curves.optional(names[i]);
     if (!value) continue;
-    read_drawn(TomlValue(value->node(), fmt::format("drawn.{}", names[i])), i, frames, track, read);
+    read_drawn(TomlValue(value->node(), fmt::format("drawn.{}", names[i])), i, frames, read, track, made);
   }
-  if (read.drawn.empty()) {
+  if (made.drawn.empty()) {
     drawn.refuse(
         fmt::format("names no {}; write {}, or remove network", track.space ? "point" : "axis", example));
   }
-  track.network = std::move(read);
+  track.network = std::move(made);
 }
 
 void check_network_keys(const MoveTrack& track, std::int32_t frames) {

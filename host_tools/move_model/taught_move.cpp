@@ -15,7 +15,7 @@
 #include "host_tools/move_model/move_rewrite.hpp"
 #include "host_tools/rig_model/move_unit.hpp"
 #include "host_tools/rig_model/rig_motors.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -1,6 +1,7 @@
 #include "host_tools/rig/rig_watch.hpp"
 
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 

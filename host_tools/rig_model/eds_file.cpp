@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "host_tools/text/ini_sections.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {

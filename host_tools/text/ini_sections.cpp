@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {

@@ -7,26 +7,19 @@
 #include <toml++/toml.h>
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <string_view>
 
 #include "host_tools/text/diagnostics.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 
-/// That a text may begin with, in UTF-8.
-inline constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
-inline constexpr std::size_t max_file_bytes = std::size_t{8} << 20U;
 /// Our files nest four levels deep. toml++ and its destructors recurse once per level.
 inline constexpr std::size_t max_toml_nesting = 16;
 /// Assignments and table headers. toml++ looks dotted keys up in a list, which is quadratic: this many take a
 /// few seconds at worst. A move of 10 000 keys with every field has 70 000.
 inline constexpr std::size_t max_toml_fields = 200'000;
-
-/// The bytes of a file. Throws InputError at the file as a whole if it is missing, a directory, unreadable,
-/// or above max_file_bytes (a regular file is then not read at all).
-std::string read_text_file(const std::filesystem::path& path);
 
 /// Parses TOML 1.0 text; a byte order mark and CRLF are accepted. Throws InputError at line and column for
 /// invalid UTF-8, nesting beyond max_toml_nesting (brackets, and dots of one key), more than max_toml_fields

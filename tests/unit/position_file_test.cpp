@@ -25,7 +25,7 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 #include "tests/support/property.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host_tools/move_model/move_file.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 #include "tests/support/places.hpp"
 #include "tests/support/refused_text.hpp"
 
