@@ -10,6 +10,8 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/take_arguments.hpp"
 #include "host_tools/cli/take_export.hpp"
+#include "host_tools/cli/take_reports.hpp"
+#include "host_tools/cli/takes_arguments.hpp"
 #include "host_tools/takes/take_store.hpp"
 #include "host_tools/text/diagnostics.hpp"
 #include "host_tools/text/json_writer.hpp"
@@ -17,19 +19,6 @@
 
 namespace inbetween {
 namespace {
-
-struct TakesArguments {
-  int (*act)(const TakesArguments&) = nullptr;  ///< of the subcommand that is named
-  std::optional<std::string> in, json, csv, trajectory, plot;
-  std::vector<std::int64_t> takes;
-  std::optional<std::int64_t> max_bytes;
-  bool is_not = false;
-  PictureStyle style = PictureStyle::light;
-};
-
-TakeStore opened(const TakesArguments& arguments, TakeStore::Access access = TakeStore::Access::read) {
-  return {named_takes_file(arguments.in), access};
-}
 
 std::string frames_in_list(const TakeInfo& take) {
   return fmt::format("{}..{}", take.part.first, take.part.last);
@@ -139,6 +128,8 @@ void write_take_json(const Take& take, const std::string& name) {
 }
 
 int show_take(const TakesArguments& arguments) {
+  if (arguments.budget && !arguments.has_errors) throw UsageError("--budget is for errors; add --errors");
+  if (arguments.has_errors) return show_errors(arguments);
   TakeStore store = opened(arguments);
   const Take take = store.read_head(arguments.takes.front());
   if (arguments.json) write_take_json(take, *arguments.json);
@@ -164,6 +155,10 @@ int show_take(const TakesArguments& arguments) {
 int plot_take(const TakesArguments& arguments) {
   refuse_unknown_picture(arguments.plot);
   check_output(*arguments.plot);
+  if (arguments.is_trend) return plot_trend(arguments);
+  if (arguments.json) throw UsageError("--json is for --trend; takes show and takes export write a take");
+  if (arguments.takes.size() != 1)
+    throw UsageError("name the take to draw, or draw the trend of all with --trend");
   TakeStore store = opened(arguments);
   draw_run_plot(plot_of_take(store, arguments.takes.front()), *arguments.plot, arguments.style);
   fmt::print("{}: take {} is drawn\n", *arguments.plot, arguments.takes.front());
@@ -238,6 +233,10 @@ Examples:
   inbetween takes list --in shots/reveal.toml       of the folder of a move
   inbetween takes show 7                            its files, axes and events
   inbetween takes plot 7 --plot take.svg            where every axis was told to be, was, and how far behind
+  inbetween takes show 7 --errors                   how far off it was, at rest and moving, in mm and px too
+  inbetween takes compare 1 7 --budget 1px          how far take 7 was from take 1: exit status 3 above 1 px
+  inbetween takes compare 1 2 3 4 5                 accuracy and repeatability of a path, as ISO 9283 has them
+  inbetween takes plot --trend --plot trend.svg     what wears: all takes of the last move, one after another
   inbetween takes export 7 --csv take.csv           what run --record would have written
   inbetween takes export 7 --trajectory take.json   what it played, for a microcontroller
   inbetween takes keep 7                            never forgotten; keep --not 7 takes that back
@@ -258,6 +257,15 @@ void add_one_take(CLI::App& command, TakesArguments& arguments) {
   command.add_option("TAKE", arguments.takes, "the number of a take")->required()->expected(1);
 }
 
+/// Adds --budget.
+void add_budget(CLI::App& command, TakesArguments& arguments) {
+  command
+      .add_option_function<std::string>(
+          "--budget", [&arguments](const std::string& text) { arguments.budget = parse_budget(text); },
+          "how much it may be off: 1px, 0.2mm, 0.05deg; exit status 3 where it is more")
+      ->type_name("SIZE");
+}
+
 void describe(CLI::App& app, TakesArguments& arguments) {
   app.require_subcommand(1);
   CLI::App& list = add_act(app, arguments, {"list", "List the takes of a folder"}, list_takes);
@@ -265,9 +273,26 @@ void describe(CLI::App& app, TakesArguments& arguments) {
   CLI::App& show =
       add_act(app, arguments, {"show", "Show what a take has, and what happened in it"}, show_take);
   add_one_take(show, arguments);
+  show.add_flag(
+      "--errors", arguments.has_errors,
+      "where every axis was against where it was told to be; with joints the tips, with a lens the picture");
+  add_budget(show, arguments);
   show.add_option("--json", arguments.json, "write it (- is standard output)");
-  CLI::App& plot = add_act(app, arguments, {"plot", "Draw a take"}, plot_take);
-  add_one_take(plot, arguments);
+  CLI::App& compare =
+      add_act(app, arguments, {"compare", "Compare takes with the first of them"}, compare_takes);
+  compare.add_option("TAKE", arguments.takes, "the numbers of two takes or more")
+      ->required()
+      ->expected(2, 10'000);
+  add_budget(compare, arguments);
+  compare.add_option("--json", arguments.json, "write it (- is standard output)");
+  CLI::App& plot =
+      add_act(app, arguments, {"plot", "Draw a take, or what changes from take to take"}, plot_take);
+  plot.add_option("TAKE", arguments.takes,
+                  "the number of a take; with --trend of several, or none for all of the last move");
+  plot.add_flag("--trend", arguments.is_trend,
+                "draw, take by take, how far each axis was behind at most, how long it settled, and its play "
+                "where it turns");
+  plot.add_option("--json", arguments.json, "with --trend, write the numbers (- is standard output)");
   plot.add_option("--plot", arguments.plot, "where to (.svg, .png or .pdf)")->required();
   add_style(plot, arguments.style);
   CLI::App& exported = add_act(app, arguments, {"export", "Write a take as another file"}, export_take);
@@ -290,6 +315,10 @@ int takes_command(const TakesArguments& arguments) {
 }
 
 }  // namespace
+
+TakeStore opened(const TakesArguments& arguments, TakeStore::Access access) {
+  return {named_takes_file(arguments.in), access};
+}
 
 void add_takes_command(CLI::App& program, Command& chosen) {
   add_command(program, chosen, {"takes", "List, show, draw, export and delete the runs that were kept"},

@@ -11,7 +11,7 @@
 
 #include "host_tools/cli/command.hpp"
 #include "host_tools/text/output_file.hpp"
-#include "host_tools/text/toml_source.hpp"
+#include "host_tools/text/text_file.hpp"
 
 namespace inbetween {
 namespace {
@@ -88,7 +88,7 @@ void complete_files(const Plan& plan, std::vector<TakeFile>& files) {
     if (!is_special(file.path) && read_text_file(file.path) != file.text)
       throw InputError({file.path, 0, 0}, "the file was changed while it was read; do it again");
   }
-  std::vector<std::string> others;
+  std::vector<std::string> others = files_beside(plan.move());
   const RigFile& rig = *plan.rig();
   if (rig.kinematics)
     others.push_back((std::filesystem::path(rig.path).parent_path() / rig.kinematics->urdf).string());

@@ -34,8 +34,8 @@ std::string named_takes_file(const std::optional<std::string>& name);
 
 /// The texts of a move and of its rig, before they are read to be played. What is no file of bytes has none.
 std::vector<TakeFile> files_of_run(const std::string& move, const std::string& rig);
-/// Adds what the rig names: its URDF file and data sheets. Throws InputError where one of those is another
-/// by now.
+/// Adds what they name: CSV files of the move, the URDF file and the data sheets of the rig. Throws
+/// InputError where one of those is another by now.
 void complete_files(const Plan& plan, std::vector<TakeFile>& files);
 
 }  // namespace inbetween

@@ -13,6 +13,7 @@
 #include "host_tools/plan/turns.hpp"
 #include "host_tools/table/trajectory_table.hpp"
 #include "host_tools/takes/taken_motion.hpp"
+#include "host_tools/takes/taken_rig.hpp"
 #include "host_tools/text/diagnostics.hpp"
 #include "host_tools/text/output_file.hpp"
 
@@ -40,23 +41,15 @@ class ShownFrame {
   FrameTime last_;
 };
 
-const TakeFile& file_of(const Take& take, TakeFile::Role role, const std::string& database) {
-  const auto found = std::ranges::find(take.files, role, &TakeFile::role);
-  if (found != take.files.end()) return *found;
-  throw TakeStoreError(
-      database, fmt::format("take {} has not the text of what it played; export another", take.number));
-}
-
-/// Solved again from the texts.
-Plan plan_of_take(const Take& take, const std::string& database) {
-  const TakeFile& move = file_of(take, TakeFile::Role::move, database);
-  const TakeFile& rig = file_of(take, TakeFile::Role::rig, database);
-  RigFile rig_file = parse_rig(rig.text, rig.path);
+/// Solved again from the texts that were kept.
+Plan plan_of_take(const Take& take) {
+  const TakeFile& move = file_of(take, TakeFile::Role::move);
+  TakenRig taken = rig_of(take);
   PlanOptions options;
-  if (rig_file.kinematics) options.kinematics = std::make_shared<const Kinematics>(read_kinematics(rig_file));
+  options.kinematics = taken.kinematics;
   const FrameRange part{take.part.first, take.part.last};
   if (take.turns == 0) options.frames = part;
-  Plan plan(parse_move(move.text, move.path), std::move(rig_file), options);
+  Plan plan(parse_move(move.text, move.path, kept_texts(take)), std::move(taken.rig), options);
   if (take.turns == 0) return plan;
   options.frames = part;
   return {turns_of(plan, take.turns), plan.rig(), options};
@@ -90,12 +83,12 @@ void export_take_csv(TakeStore& store, std::int64_t number, const std::string& f
 
 void export_take_trajectory(TakeStore& store, std::int64_t number, const std::string& file) {
   const Take take = store.read_head(number);
-  const Plan plan = plan_of_take(take, store.file());
+  const Plan plan = plan_of_take(take);
   if (bytes_of(plan.motion()) != take.trajectory) {
     throw TakeStoreError(
         store.file(),
-        fmt::format("inbetween {} solved the move of take {} otherwise, in last bits at least, or a file of "
-                    "its rig has changed; use that version, or export --csv",
+        fmt::format("inbetween {} solved the move of take {} otherwise, in last bits at least; use that "
+                    "version, or export --csv",
                     take.version, number));
   }
   const CheckReport report = check(plan);

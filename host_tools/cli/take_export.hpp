@@ -14,8 +14,8 @@ namespace inbetween {
 /// write_output throw.
 void export_take_csv(TakeStore& store, std::int64_t take, const std::string& file);
 
-/// Writes the trajectory that it played, with proven stops, as `plan --trajectory` does: from the move and
-/// the rig as they were, and a URDF file of today that must be what it was. Throws those, and InputError.
+/// Writes the trajectory that it played, with proven stops, as `plan --trajectory` does: solved again from
+/// the texts that were kept. Throws those, and InputError.
 void export_take_trajectory(TakeStore& store, std::int64_t take, const std::string& file);
 
 /// What `run --plot` draws of it.

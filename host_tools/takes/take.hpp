@@ -32,7 +32,7 @@ struct TakeEvent {
 
 /// A file that the move or the rig was read from, with its text as it was then.
 struct TakeFile {
-  enum class Role : std::uint8_t { move, rig, other };  ///< other: a table, a URDF file, a data sheet
+  enum class Role : std::uint8_t { move, rig, other };  ///< other: a CSV file, a URDF file, a data sheet
   Role role = Role::other;
   std::string path;  ///< as the file that names it says, or as the command said
   std::string text;

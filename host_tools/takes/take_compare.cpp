@@ -9,23 +9,10 @@
 #include "host_tools/takes/take_line.hpp"
 
 namespace inbetween {
-namespace {
-
-void refuse_other_takes(const TakeSamples& first, const TakeSamples& second) {
-  const auto is_same = [](const TakeAxis& a, const TakeAxis& b) {
-    return a.name == b.name && a.unit == b.unit;
-  };
-  if (std::ranges::equal(first.axes(), second.axes(), is_same)) return;
-  throw std::runtime_error(
-      fmt::format("inbetween: error: take {} has other axes than take {}; compare takes of one rig",
-                  second.number(), first.number()));
-}
-
-}  // namespace
-
-TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second, const Plan& plan) {
-  refuse_other_takes(first, second);
-  const RigMeasures measures(plan);
+TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second,
+                             const RigMeasures& measures) {
+  measures.refuse_other_axes(first);
+  measures.refuse_other_axes(second);
   const std::size_t axes = first.axes().size();
   TakeComparison comparison{.first = first.number(), .second = second.number()};
   for (const Measure& measure : measures.all()) comparison.measures.push_back({.measure = measure});

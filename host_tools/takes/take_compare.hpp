@@ -29,11 +29,12 @@ struct TakeComparison {
   std::vector<Of> measures = {};  ///< in the order of RigMeasures::all()
 };
 
-/// `plan` is that of the second take; both are of the same rig. The picture's marks are those of the first.
+/// `measures` are those of the rig of both. The picture's marks are those of the first.
 /// A place is at rest where all axes that move the measure rest in the second. Throws std::runtime_error, one
 /// line, where the two have other axes, or no time in common, and as RigMeasures::poses().
 /// O(samples * (log samples + joints + axes)).
-TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second, const Plan& plan);
+TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second,
+                             const RigMeasures& measures);
 
 /// "take 4 differs from take 1 by at most 0.18 mm, 2.1 px, at frame 96". On a rig with tips the largest of
 /// its distances and pictures; on any other the largest of the axes of each unit. Measures whose worst are on

@@ -4,13 +4,13 @@
 
 namespace inbetween {
 
-TakeErrors errors_of(const TakeSamples& samples, const Plan& plan) {
-  const RigMeasures measures(plan);
+TakeErrors errors_of(const TakeSamples& samples, const RigMeasures& measures) {
+  measures.refuse_other_axes(samples);
   TakeErrors errors{.number = samples.number(), .samples = static_cast<std::int64_t>(samples.size())};
   for (const Measure& measure : measures.all()) {
     errors.measures.push_back({.measure = measure});
     const std::size_t axis = errors.measures.size() - 1;
-    if (measure.kind == Measure::Kind::axis) errors.measures.back().is_held = !plan.axes()[axis].track;
+    if (measure.kind == Measure::Kind::axis) errors.measures.back().is_held = !samples.axes()[axis].move_axis;
   }
   std::vector<double> values(errors.measures.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {

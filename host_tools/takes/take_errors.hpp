@@ -23,8 +23,9 @@ struct TakeErrors {
 };
 
 /// A measure is at rest where all axes that move it rest (TakeSamples::rests). The picture's marks are those
-/// of the commanded posture. `plan` is that of the take. Throws as RigMeasures::poses().
+/// of the commanded posture. `measures` are those of the rig of the take. Throws as RigMeasures::poses()
+/// and refuse_other_axes().
 /// O(samples * (joints + axes)).
-TakeErrors errors_of(const TakeSamples& samples, const Plan& plan);
+TakeErrors errors_of(const TakeSamples& samples, const RigMeasures& measures);
 
 }  // namespace inbetween

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/text/diagnostics.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -38,9 +40,10 @@ std::string in_words(double error, const Measure& measure) {
   return fmt::format("{:.{}f} {}", rounded, std::max(decimals, 0), measure.unit);
 }
 
-RigMeasures::RigMeasures(const Plan& plan) : kinematics_(plan.kinematics()), axes_(plan.axes().size()) {
+RigMeasures::RigMeasures(const RigFile& rig, std::shared_ptr<const Kinematics> kinematics)
+    : kinematics_(std::move(kinematics)), axes_(rig.axes.size()) {
   for (std::size_t i = 0; i < axes_; ++i) {
-    const RigAxis& axis = plan.rig()->axes[i];
+    const RigAxis& axis = rig.axes[i];
     measures_.push_back({Measure::Kind::axis, axis.name, std::string(to_string(axis.unit))});
     moved_by_.push_back({i});
   }
@@ -49,12 +52,24 @@ RigMeasures::RigMeasures(const Plan& plan) : kinematics_(plan.kinematics()), axe
     add({Measure::Kind::distance, tip.name, "mm"}, tip);
     add({Measure::Kind::angle, tip.name, "deg"}, tip);
   }
-  if (const std::optional<RigLens>& lens = plan.rig()->lens) {
+  if (const std::optional<RigLens>& lens = rig.lens) {
     const Tip& tip = *std::ranges::find(kinematics_->tips(), lens->tip, &Tip::name);
     lens_.emplace(*lens);
     lens_link_ = static_cast<std::size_t>(tip.link);
     add({Measure::Kind::picture, tip.name, "px"}, tip);
   }
+}
+
+void RigMeasures::refuse_other_axes(const TakeSamples& samples) const {
+  const auto is_axis = [](const TakeAxis& axis, const Measure& measure) {
+    return axis.name == measure.name && axis.unit == measure.unit;
+  };
+  if (std::ranges::equal(samples.axes(), std::span(measures_).first(axes_), is_axis)) return;
+  std::vector<std::string> names;
+  for (const TakeAxis& axis : samples.axes()) names.push_back(axis.name);
+  throw std::runtime_error(
+      fmt::format("inbetween: error: take {} has the axes {}, and the rig others; choose takes of one rig",
+                  samples.number(), comma_separated(names)));
 }
 
 void RigMeasures::add(Measure measure, const Tip& tip) {

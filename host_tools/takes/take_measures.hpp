@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "host_tools/joints/kinematics.hpp"
-#include "host_tools/plan/plan.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "host_tools/takes/lens_view.hpp"
+#include "host_tools/takes/take_samples.hpp"
 
 namespace inbetween {
 
@@ -33,8 +34,11 @@ struct Measure {
 /// picture of the lens. All links of a tip count, those that the move holds too.
 class RigMeasures {
  public:
-  /// The plan has a rig. Refers to its geometry.
-  explicit RigMeasures(const Plan& plan);
+  /// `kinematics` are those of the rig, null where it has none.
+  RigMeasures(const RigFile& rig, std::shared_ptr<const Kinematics> kinematics);
+
+  /// Throws std::runtime_error, one line, where a take has other axes than the rig.
+  void refuse_other_axes(const TakeSamples& samples) const;
 
   [[nodiscard]] const std::vector<Measure>& all() const { return measures_; }
   /// The axes that move the tip of a measure, or its axis alone.

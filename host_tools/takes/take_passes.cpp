@@ -100,15 +100,10 @@ void add(PathReport::Of& of, const PathFigures& figures, const FrameTime& at) {
                     std::max(frame->figures.repeatability, figures.repeatability)};
 }
 
-void refuse_passes(std::span<const TakeSamples> takes) {
+void refuse_passes(std::span<const TakeSamples> takes, const RigMeasures& measures) {
   if (takes.size() < 2)
     throw std::runtime_error("inbetween: error: repeatability is between takes; name two or more");
-  for (const TakeSamples& take : takes) {
-    if (std::ranges::equal(take.axes(), takes.front().axes(), {}, &TakeAxis::name, &TakeAxis::name)) continue;
-    throw std::runtime_error(
-        fmt::format("inbetween: error: take {} has other axes than take {}; compare takes of one rig",
-                    take.number(), takes.front().number()));
-  }
+  for (const TakeSamples& take : takes) measures.refuse_other_axes(take);
 }
 
 std::vector<PathReport::Of> empty_figures(const RigMeasures& measures) {
@@ -152,9 +147,8 @@ void add_interpolation(const RigMeasures& measures, std::span<const double> miss
 
 }  // namespace
 
-PathReport path_report(std::span<const TakeSamples> takes, const Plan& plan) {
-  refuse_passes(takes);
-  const RigMeasures measures(plan);
+PathReport path_report(std::span<const TakeSamples> takes, const RigMeasures& measures) {
+  refuse_passes(takes, measures);
   const TakeSamples& grid = takes.front();
   PathReport report{.measures = empty_figures(measures)};
   std::vector<TakeLine> lines;

@@ -50,10 +50,10 @@ struct PathReport {
   std::vector<Of> measures = {};
 };
 
-/// All takes are of one plan. The places are those of the first take (TakeLine); the others are interpolated
-/// there. A picture is infinite where a pass does not see a mark. Throws std::runtime_error, one line, for
-/// fewer than two takes, for other axes, where they have no place in common, and as RigMeasures::poses().
-/// O(samples * takes * (log samples + joints + axes)).
-PathReport path_report(std::span<const TakeSamples> takes, const Plan& plan);
+/// All takes are of one move, and `measures` of their rig. The places are those of the first take (TakeLine);
+/// the others are interpolated there. A picture is infinite where a pass does not see a mark. Throws
+/// std::runtime_error, one line, for fewer than two takes, for other axes, where they have no place in
+/// common, and as RigMeasures::poses(). O(samples * takes * (log samples + joints + axes)).
+PathReport path_report(std::span<const TakeSamples> takes, const RigMeasures& measures);
 
 }  // namespace inbetween

@@ -5,27 +5,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "host_tools/takes/taken_motion.hpp"
 #include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
 namespace {
 
-void refuse_other_axes(const Take& take, const Plan& plan) {
-  const auto is_axis = [](const TakeAxis& axis, const RigAxis& of_rig) {
-    return axis.name == of_rig.name && axis.unit == to_string(of_rig.unit);
-  };
-  const bool is_same = plan.rig() && std::ranges::equal(take.axes, plan.rig()->axes, is_axis);
-  if (is_same) return;
-  std::vector<std::string> names;
-  for (const TakeAxis& axis : take.axes) names.push_back(axis.name);
+[[noreturn]] void refuse_damaged(const Take& take, const std::string& what) {
   throw std::runtime_error(
-      fmt::format("inbetween: error: take {} has the axes {}, and the plan has others; plan the move and the "
-                  "rig of the take",
-                  take.number, comma_separated(names)));
+      fmt::format("inbetween: error: {} of take {}; the take is damaged", what, take.number));
 }
 
 /// Whether drives are told setpoints (MotionLoop::sends_setpoints).
@@ -58,17 +51,20 @@ class Commands {
 
 }  // namespace
 
-TakeSamples::TakeSamples(const Take& take, const Plan& plan)
+TakeSamples::TakeSamples(const Take& take)
     : number_(take.number), rate_hz_(take.rate_hz), frame_rate_(take.frame_rate), axes_(take.axes) {
-  refuse_other_axes(take, plan);
-  take_ticks(take, plan);
+  const std::unique_ptr<TakenMotion> taken = TakenMotion::read(take.trajectory);
+  if (!taken) refuse_damaged(take, "no motion is");
+  const std::size_t played = taken->motion().axis_count();
+  const auto is_beyond = [&](const TakeAxis& axis) { return axis.move_axis.value_or(0) >= played; };
+  if (std::ranges::any_of(axes_, is_beyond)) refuse_damaged(take, "an axis is beyond the motion");
+  take_ticks(take, taken->motion());
 }
 
-void TakeSamples::take_ticks(const Take& take, const Plan& plan) {
+void TakeSamples::take_ticks(const Take& take, const PlayedMotion& motion) {
   samples_.reserve(take.ticks_of_take.size());
   commanded_.reserve(take.ticks_of_take.size() * axes_.size());
   actual_.reserve(commanded_.capacity());
-  const PlayedMotion& motion = plan.motion();
   std::vector<double> played(motion.axis_count());
   Commands commands;
   std::optional<TakeSample> told;
@@ -76,17 +72,15 @@ void TakeSamples::take_ticks(const Take& take, const Plan& plan) {
   for (const TakeTick& tick : take.ticks_of_take) {
     if (told && tick.number == before + 1 && answers(tick.state)) {
       if (tick.actual.size() != axes_.size()) {
-        throw std::runtime_error(fmt::format(
-            "inbetween: error: tick {} of take {} has {} of {}; the take is damaged", tick.number,
-            take.number, counted(static_cast<std::int64_t>(tick.actual.size()), "position"), axes_.size()));
+        refuse_damaged(take, fmt::format("tick {} has {} of {}", tick.number,
+                                         counted(static_cast<std::int64_t>(tick.actual.size()), "position"),
+                                         axes_.size()));
       }
       samples_.push_back({.tick = tick.number, .turn = told->turn, .time = told->time});
       motion.positions(told->time, played);
       actual_.insert(actual_.end(), tick.actual.begin(), tick.actual.end());
-      for (std::size_t i = 0; i < axes_.size(); ++i) {
-        const PlanAxis& axis = plan.axes()[i];
-        commanded_.push_back(axis.track ? played[axis.move_axis] : actual_[i]);
-      }
+      for (std::size_t i = 0; i < axes_.size(); ++i)
+        commanded_.push_back(axes_[i].move_axis ? played[*axes_[i].move_axis] : actual_[i]);
     }
     told = commands.next(tick);
     before = tick.number;

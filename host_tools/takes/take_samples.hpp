@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "host_tools/plan/plan.hpp"
 #include "host_tools/takes/take.hpp"
+#include "inbetween/limits/played_motion.hpp"
 
 namespace inbetween {
 
@@ -27,9 +27,9 @@ struct TakeSample {
 /// track is held by the rig: it is told to stay where it was at the first sample.
 class TakeSamples {
  public:
-  /// `plan` is that of the take, on its rig. Throws std::runtime_error, one line, where the axes of the two
-  /// are not the same. O(ticks * axes).
-  TakeSamples(const Take& take, const Plan& plan);
+  /// Of its own trajectory, so that it does not matter which version solves the move today. Throws
+  /// std::runtime_error, one line, where the take is damaged. O(ticks * axes).
+  explicit TakeSamples(const Take& take);
 
   [[nodiscard]] std::int64_t number() const { return number_; }
   [[nodiscard]] std::int32_t rate_hz() const { return rate_hz_; }
@@ -52,7 +52,7 @@ class TakeSamples {
   [[nodiscard]] std::span<const double> row_of(const std::vector<double>& rows, std::size_t sample) const {
     return std::span(rows).subspan(sample * axes_.size(), axes_.size());
   }
-  void take_ticks(const Take& take, const Plan& plan);
+  void take_ticks(const Take& take, const PlayedMotion& motion);
 
   std::int64_t number_;
   std::int32_t rate_hz_;

@@ -63,10 +63,10 @@ void find_reversals(const TakeSamples& samples, std::size_t axis, AxisTrend& tre
 
 }  // namespace
 
-TakeTrend trend_of(const TakeSamples& samples, const Plan& plan) {
+TakeTrend trend_of(const TakeSamples& samples, const RigFile& rig) {
   TakeTrend trend{.number = samples.number()};
   for (std::size_t a = 0; a < samples.axes().size(); ++a) {
-    const RigAxis& axis = plan.rig()->axes[a];
+    const RigAxis& axis = rig.axes[a];
     AxisTrend& of = trend.axes.emplace_back();
     of.name = axis.name;
     of.unit = to_string(axis.unit);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host_tools/plan/plan.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
 #include "host_tools/takes/take_samples.hpp"
 
 namespace inbetween {
@@ -46,6 +46,8 @@ inline constexpr double reversal_window_s = 0.1;
 /// A window of 0.1 s is long enough for 25 ticks at 250 Hz, whose counts average out, and short enough that
 /// lag, which grows with the speed, adds little: an axis that turns with 100 mm/s^2 is not faster than
 /// 10 mm/s in it.
-TakeTrend trend_of(const TakeSamples& samples, const Plan& plan);
+///
+/// `rig` is that of the take.
+TakeTrend trend_of(const TakeSamples& samples, const RigFile& rig);
 
 }  // namespace inbetween

@@ -133,7 +133,7 @@ TEST(TakeErrorsProperty, AreThoseThatTheRecordShows) {
   check_property(100, [] {
     Take take = played_take(crane(), random_take(1));
     lose_ticks(take);
-    const TakeErrors errors = errors_of({take, crane()}, crane());
+    const TakeErrors errors = errors_of(TakeSamples(take), measures_of(crane()));
     const RecordedErrors expected = errors_in(record_of(take, crane()));
     RC_ASSERT(errors.measures.size() == 9U);
     for (std::size_t m = 0; m < 9; ++m) {
@@ -153,7 +153,8 @@ TEST(TakeErrorsProperty, AreThoseThatTheRecordShows) {
 TEST(TakeErrorsProperty, ADifferenceOfTwoTakesIsThatOfTheirRecords) {
   check_property(100, [] {
     const Take first = played_take(crane(), random_take(1)), second = played_take(crane(), random_take(2));
-    const TakeComparison comparison = compare_takes({first, crane()}, {second, crane()}, crane());
+    const TakeComparison comparison =
+        compare_takes(TakeSamples(first), TakeSamples(second), measures_of(crane()));
     const std::vector<OracleRow> a = rows_of_record(record_of(first, crane()));
     const std::vector<OracleRow> b = rows_of_record(record_of(second, crane()));
     const OracleTree tree(joints_of_crane());
@@ -181,8 +182,8 @@ TEST(TakeErrorsProperty, BetweenTicksATakeOnItsPathIsOffByNoMoreThanTheBound) {
   check_property(100, [] {
     const double phase = 0.01 * *rc::gen::inRange(1, 100);
     const TakeComparison comparison =
-        compare_takes({played_take(crane(), {}), crane()},
-                      {played_take(crane(), {.number = 2, .phase = phase}), crane()}, crane());
+        compare_takes(TakeSamples(played_take(crane(), {})),
+                      TakeSamples(played_take(crane(), {.number = 2, .phase = phase})), measures_of(crane()));
     for (const TakeComparison::Of& of : comparison.measures) {
       RC_ASSERT(of.interpolation > 0);
       // The roll rests but for rounding, and a pixel has more of that.
@@ -198,10 +199,10 @@ TEST(TakeErrorsProperty, PassesHaveTheAccuracyAndRepeatabilityOfTheirPoints) {
     std::vector<std::vector<OracleRow>> records;
     for (int k = 0; k < passes; ++k) {
       const Take take = played_take(crane(), random_take(k + 1));
-      samples.emplace_back(take, crane());
+      samples.emplace_back(take);
       records.push_back(rows_of_record(record_of(take, crane())));
     }
-    const PathReport report = path_report(samples, crane());
+    const PathReport report = path_report(samples, measures_of(crane()));
     const OracleTree tree(joints_of_crane());
     std::vector<std::array<double, 2>> largest(8, {0, 0});
     const auto add = [&](std::size_t measure, const Point& command, const std::vector<Point>& points) {

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "host_tools/joints/kinematics.hpp"
+#include "host_tools/takes/taken_motion.hpp"
 #include "tests/support/places.hpp"
 
 namespace inbetween {
@@ -30,8 +32,12 @@ Take played_take(const Plan& plan, const PlayedTake& played) {
   take.frame_rate = plan.played().frame_rate();
   take.frames = plan.move().frames;
   take.part = plan.part();
-  for (const RigAxis& axis : plan.rig()->axes) {
-    take.axes.push_back({axis.name, std::string(to_string(axis.unit)), 1e-9});
+  take.trajectory = bytes_of(plan.motion());
+  for (std::size_t i = 0; i < plan.axes().size(); ++i) {
+    const RigAxis& axis = plan.rig()->axes[i];
+    const PlanAxis& of = plan.axes()[i];
+    take.axes.push_back({axis.name, std::string(to_string(axis.unit)), 1e-9,
+                         of.track ? std::optional(of.move_axis) : std::nullopt});
   }
   const FrameTime end{take.frames, 0};
   const std::int64_t ticks = last_tick(take.frames, take.frame_rate, take.rate_hz) + 1 + played.rest;
@@ -64,6 +70,10 @@ std::string record_of(const Take& take, const Plan& plan, double held) {
     text += '\n';
   }
   return text;
+}
+
+RigMeasures measures_of(const Plan& plan) {
+  return {*plan.rig(), plan.kinematics()};
 }
 
 Plan plan_of(const std::string& move, const std::string& rig) {

@@ -9,6 +9,7 @@
 
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/takes/take.hpp"
+#include "host_tools/takes/take_measures.hpp"
 
 namespace inbetween {
 
@@ -31,6 +32,9 @@ Take played_take(const Plan& plan, const PlayedTake& played = {});
 
 /// The text of what `run --record` writes.
 std::string record_of(const Take& take, const Plan& plan, double held = 7);
+
+/// Of the rig of the plan.
+RigMeasures measures_of(const Plan& plan);
 
 /// A plan of these texts; the rig has no joints.
 Plan plan_of(const std::string& move, const std::string& rig);

@@ -58,7 +58,7 @@ const std::string one_way =
 using Error = std::function<double(std::int64_t tick, std::size_t axis)>;
 
 TakeSamples samples_of(const Plan& plan, const PlayedTake& played) {
-  return {played_take(plan, played), plan};
+  return TakeSamples(played_take(plan, played));
 }
 
 /// An error of one axis at one tick.
@@ -90,7 +90,7 @@ TEST(TakeCompare, SaysTheLargestDifferenceAndItsFrame) {
   const Plan plan = plan_of(there_and_back, rig);
   const TakeSamples first = samples_of(plan, {.number = 1, .error = bump(50, 0, 0.0625)});
   const TakeSamples second = samples_of(plan, {.number = 4, .error = bump(50, 0, -0.125)});
-  const TakeComparison comparison = compare_takes(first, second, plan);
+  const TakeComparison comparison = compare_takes(first, second, measures_of(plan));
   // Tick 50 answers tick 49, frame 12.25.
   EXPECT_NEAR(comparison.measures[0].errors.all().worst(), -0.1875, 1e-12);
   EXPECT_EQ(comparison.measures[0].errors.all().worst_at(), (FrameTime{12, 0.25}));
@@ -105,7 +105,7 @@ TEST(TakeCompare, SaysTheLargestDifferenceAndItsFrame) {
 TEST(TakeCompare, OfACraneNamesTipAndPicture) {
   const Plan plan = plan_of_crane();
   const TakeComparison comparison = compare_takes(
-      samples_of(plan, {}), samples_of(plan, {.number = 4, .error = bump(1001, 0, 0.18)}), plan);
+      samples_of(plan, {}), samples_of(plan, {.number = 4, .error = bump(1001, 0, 0.18)}), measures_of(plan));
   const double pixels = comparison.measures[8].errors.all().worst();
   const std::string in_pixels = in_words(pixels, comparison.measures[8].measure);
   EXPECT_EQ(in_one_sentence(comparison),
@@ -121,7 +121,7 @@ TEST(TakeCompare, OfACraneNamesTipAndPicture) {
 TEST(TakeCompare, BetweenTicksTheBoundOfTheInterpolationHolds) {
   const Plan plan = plan_of(there_and_back, rig);
   const TakeComparison comparison =
-      compare_takes(samples_of(plan, {}), samples_of(plan, {.number = 2, .phase = 0.5}), plan);
+      compare_takes(samples_of(plan, {}), samples_of(plan, {.number = 2, .phase = 0.5}), measures_of(plan));
   const TakeComparison::Of& slide = comparison.measures[0];
   const double missed = std::fabs(slide.errors.all().worst());
   EXPECT_GT(missed, 1e-4) << "both were on the path exactly: the whole difference is interpolation";
@@ -137,7 +137,7 @@ TEST(TakeCompare, NothingIsMadeUpAcrossLostTicks) {
   Take holed = played_take(plan);
   holed.ticks_of_take.erase(holed.ticks_of_take.begin() + 100, holed.ticks_of_take.begin() + 110);
   const TakeSamples second = samples_of(plan, {.number = 2, .phase = 0.5});
-  const TakeComparison comparison = compare_takes({holed, plan}, second, plan);
+  const TakeComparison comparison = compare_takes(TakeSamples(holed), second, measures_of(plan));
   // The gap begins behind the answer to tick 98, and ends with that to tick 110.
   EXPECT_EQ(comparison.only_second, 12);
   // The pan rests at the end: the place behind which the first has no further tick is the end itself.
@@ -159,7 +159,8 @@ TEST(TakeCompare, OfATakeThatWentBackAndForthIsWhatLeadsOn) {
   for (std::size_t i = 0; i < take.ticks_of_take.size(); ++i) {
     take.ticks_of_take[i].number = static_cast<std::int64_t>(i);
   }
-  const TakeComparison comparison = compare_takes({take, plan}, samples_of(plan, {.number = 4}), plan);
+  const TakeComparison comparison =
+      compare_takes(TakeSamples(take), samples_of(plan, {.number = 4}), measures_of(plan));
   EXPECT_EQ(comparison.only_second, 0);
   // Tick 200 answers the last setpoint of the way there, and is off already, and so does that which leads on.
   EXPECT_LT(std::fabs(comparison.measures[0].errors.frames()[48].figures.worst()), 1e-12);
@@ -172,9 +173,10 @@ TEST(TakeCompare, OfOtherRigsAndOtherFramesIsRefused) {
   late.ticks_of_take.erase(late.ticks_of_take.begin(), late.ticks_of_take.begin() + 200);
   Take early = played_take(plan);
   early.ticks_of_take.resize(100);
-  EXPECT_THROW(compare_takes({late, plan}, {early, plan}, plan), std::runtime_error);
+  EXPECT_THROW(compare_takes(TakeSamples(late), TakeSamples(early), measures_of(plan)), std::runtime_error);
   const Plan other = plan_of(one_way, rig_text({{.name = "slide"}}));
-  EXPECT_THROW(compare_takes({late, plan}, samples_of(other, {}), other), std::runtime_error);
+  EXPECT_THROW(compare_takes(TakeSamples(late), samples_of(other, {}), measures_of(other)),
+               std::runtime_error);
 }
 
 TEST(TakePasses, AreAsAccurateAsTheirBarycentreAndAsRepeatableAsTheirDistances) {
@@ -184,7 +186,7 @@ TEST(TakePasses, AreAsAccurateAsTheirBarycentreAndAsRepeatableAsTheirDistances) 
     takes.push_back(
         samples_of(plan, {.number = static_cast<std::int64_t>(4 * off), .error = bump(9, 0, off)}));
   }
-  const PathReport report = path_report(takes, plan);
+  const PathReport report = path_report(takes, measures_of(plan));
   EXPECT_THAT(report.takes, ElementsAre(1, 2, 3));
   EXPECT_EQ(report.places, 401);
   const PathReport::Of& slide = report.measures[0];
@@ -199,7 +201,7 @@ TEST(TakePasses, AreAsAccurateAsTheirBarycentreAndAsRepeatableAsTheirDistances) 
 
 TEST(TakePasses, OfOneTakeAreNone) {
   const Plan plan = plan_of(there_and_back, rig);
-  EXPECT_THROW(path_report(std::vector{samples_of(plan, {})}, plan), std::runtime_error);
+  EXPECT_THROW(path_report(std::vector{samples_of(plan, {})}, measures_of(plan)), std::runtime_error);
 }
 
 TEST(TakeTrend, SettlesFromTheLastSetpointUntilItStaysWithin) {
@@ -215,7 +217,7 @@ TEST(TakeTrend, SettlesFromTheLastSetpointUntilItStaysWithin) {
     if (axis == 1 || tick < 300) return 0.0;
     return tick == 330 || tick <= 325 ? 0.5 : 0.25;
   };
-  const TakeTrend trend = trend_of(samples_of(plan, {.number = 9, .error = error}), plan);
+  const TakeTrend trend = trend_of(samples_of(plan, {.number = 9, .error = error}), *plan.rig());
   EXPECT_EQ(trend.number, 9);
   EXPECT_EQ(trend.axes[0].tolerance, 0.25);
   ASSERT_TRUE(trend.axes[0].settle_s);
@@ -228,11 +230,11 @@ TEST(TakeTrend, SettlesFromTheLastSetpointUntilItStaysWithin) {
 
 TEST(TakeTrend, DoesNotSettleWhereTheTakeEndsBefore) {
   const Plan plan = plan_of(there_and_back, rig);
-  const TakeTrend off = trend_of(samples_of(plan, {.error = bump(440, 0, 3)}), plan);
+  const TakeTrend off = trend_of(samples_of(plan, {.error = bump(440, 0, 3)}), *plan.rig());
   EXPECT_FALSE(off.axes[0].settle_s) << "it is off at the last tick";
   Take cut = played_take(plan);
   cut.ticks_of_take.resize(200);
-  EXPECT_FALSE(trend_of({cut, plan}, plan).axes[0].settle_s) << "it still moves";
+  EXPECT_FALSE(trend_of(TakeSamples(cut), *plan.rig()).axes[0].settle_s) << "it still moves";
 }
 
 TEST(TakeTrend, ATurnShowsThePlayOfAGear) {
@@ -242,7 +244,7 @@ TEST(TakeTrend, ATurnShowsThePlayOfAGear) {
     if (axis == 1) return 0.0;
     return tick <= 161 ? -0.25 : 0.25;
   };
-  const TakeTrend trend = trend_of(samples_of(plan, {.error = error}), plan);
+  const TakeTrend trend = trend_of(samples_of(plan, {.error = error}), *plan.rig());
   EXPECT_EQ(trend.axes[0].turns, 1);
   ASSERT_TRUE(trend.axes[0].reversal_error);
   EXPECT_NEAR(*trend.axes[0].reversal_error, 0.5, 1e-12);
@@ -252,7 +254,7 @@ TEST(TakeTrend, ATurnShowsThePlayOfAGear) {
 TEST(TakeTrend, OnlyTheTicksBesideATurnCount) {
   const Plan plan = plan_of(there_and_back, rig);
   const auto error = [](std::int64_t tick, std::size_t) { return tick < 149 || tick > 175 ? 9.0 : 0.0; };
-  const TakeTrend trend = trend_of(samples_of(plan, {.error = error}), plan);
+  const TakeTrend trend = trend_of(samples_of(plan, {.error = error}), *plan.rig());
   EXPECT_NEAR(trend.axes[0].reversal_error.value_or(1), 0, 1e-12);
 }
 
@@ -260,7 +262,7 @@ TEST(TakeErrorsOutput, JsonHasWhatTheFunctionsGive) {
   const Plan plan = plan_of(there_and_back, rig);
   const TakeSamples first = samples_of(plan, {});
   const TakeSamples second = samples_of(plan, {.number = 4, .error = bump(50, 0, -0.125)});
-  const TakeComparison comparison = compare_takes(first, second, plan);
+  const TakeComparison comparison = compare_takes(first, second, measures_of(plan));
   const BudgetVerdict verdict = judge({.largest = 0.1, .unit = TakeBudget::Unit::mm}, comparison);
   const Json json = written([&](JsonWriter& out) { write_comparison(out, comparison, verdict); });
   EXPECT_EQ(json["format"], 1);
@@ -269,18 +271,19 @@ TEST(TakeErrorsOutput, JsonHasWhatTheFunctionsGive) {
   EXPECT_EQ(json["measures"][0]["all"]["worst_frame"], 12.25);
   EXPECT_EQ(json["measures"][0]["frames"][12]["count"], 4);
   EXPECT_EQ(json["budget"]["holds"], false);
-  const Json errors = written([&](JsonWriter& out) { write_errors(out, errors_of(second, plan), {}); });
+  const Json errors =
+      written([&](JsonWriter& out) { write_errors(out, errors_of(second, measures_of(plan)), {}); });
   EXPECT_EQ(errors["take"], 4);
   EXPECT_EQ(errors["measures"][0]["kind"], "axis");
   EXPECT_EQ(errors["measures"][1]["at_rest"]["worst"], 0);
   EXPECT_FALSE(errors.contains("budget"));
   const Json path = written([&](JsonWriter& out) {
-    write_path_report(out, path_report(std::vector{first, second}, plan));
+    write_path_report(out, path_report(std::vector{first, second}, measures_of(plan)));
   });
   EXPECT_NEAR(path["measures"][0]["accuracy"].get<double>(), 0.0625, 1e-12);
   EXPECT_EQ(path["measures"][0]["repeatability_frame"], 12.25);
   const Json trends = written([&](JsonWriter& out) {
-    write_trends(out, std::vector{trend_of(first, plan), trend_of(second, plan)});
+    write_trends(out, std::vector{trend_of(first, *plan.rig()), trend_of(second, *plan.rig())});
   });
   EXPECT_EQ(trends["takes"][1]["axes"][0]["following_error_peak"], 0.125);
   EXPECT_TRUE(trends["takes"][1]["axes"][1]["reversal_error"].is_null());
@@ -290,20 +293,20 @@ TEST(TakeErrorsOutput, TextSaysItInLines) {
   const Plan plan = plan_of(there_and_back, rig);
   const TakeSamples first = samples_of(plan, {});
   const TakeSamples second = samples_of(plan, {.number = 4, .phase = 0.5, .error = bump(50, 0, -0.125)});
-  const TakeComparison comparison = compare_takes(first, second, plan);
+  const TakeComparison comparison = compare_takes(first, second, measures_of(plan));
   const std::string text = printed([&](std::FILE* out) { print_comparison(comparison, {}, out); });
   EXPECT_THAT(text, StartsWith("take 4 differs from take 1 by at most 0.1"));
   EXPECT_THAT(text, HasSubstr("slide: between ticks of take 1, whose interpolation may be off by 0.0"));
-  const TakeErrors errors = errors_of(second, plan);
+  const TakeErrors errors = errors_of(second, measures_of(plan));
   const BudgetVerdict verdict = judge({.largest = 1, .unit = TakeBudget::Unit::mm}, errors);
   EXPECT_THAT(printed([&](std::FILE* out) { print_errors(errors, verdict, out); }),
               HasSubstr("\"slide\" is off by 0.13 mm at frame 12, within the budget of 1 mm\n"));
   EXPECT_THAT(
       printed([&](std::FILE* out) {
-        print_path_report(path_report(std::vector{first, second}, plan), out);
+        print_path_report(path_report(std::vector{first, second}, measures_of(plan)), out);
       }),
       AllOf(StartsWith("2 takes at 400 ticks (ISO 9283"), HasSubstr("slide: some are between ticks")));
-  EXPECT_THAT(printed([&](std::FILE* out) { print_trends(std::vector{trend_of(second, plan)}, out); }),
+  EXPECT_THAT(printed([&](std::FILE* out) { print_trends(std::vector{trend_of(second, *plan.rig())}, out); }),
               HasSubstr("     4  slide"));
 }
 
@@ -318,7 +321,7 @@ TEST(TrendPlot, HasAPanelForEachAxisAndQuantity) {
       return axis == 0 ? (tick <= 161 ? -worn : worn) + wobble
                        : 0.3 * std::sin(0.05 * static_cast<double>(tick));
     };
-    trends.push_back(trend_of(samples_of(plan, {.number = day, .error = error}), plan));
+    trends.push_back(trend_of(samples_of(plan, {.number = day, .error = error}), *plan.rig()));
   }
   trends[12].axes.erase(trends[12].axes.begin());  // the rig had no slide that day
   const TrendPlot plot = trend_plot("there and back", trends);

@@ -116,7 +116,7 @@ TEST(ErrorFigures, OfAFewErrors) {
 TEST(TakeSamples, APositionAnswersTheSetpointOfTheTickBefore) {
   const Plan plan = plan_of(there, rig);
   const Take take = played_take(plan);
-  const TakeSamples samples(take, plan);
+  const TakeSamples samples(take);
   ASSERT_EQ(samples.size(), take.ticks_of_take.size() - 1);
   EXPECT_EQ(samples[10].tick, 11);
   EXPECT_EQ(samples[10].time, (FrameTime{2, 0.5}));
@@ -128,7 +128,7 @@ TEST(TakeSamples, BehindLostTicksThereIsNoSetpointToAnswer) {
   const Plan plan = plan_of(there, rig);
   Take take = played_take(plan);
   take.ticks_of_take.erase(take.ticks_of_take.begin() + 20, take.ticks_of_take.begin() + 23);
-  const TakeSamples samples(take, plan);
+  const TakeSamples samples(take);
   EXPECT_EQ(samples.size(), take.ticks_of_take.size() - 2);
   EXPECT_EQ(samples[18].tick, 19);
   EXPECT_EQ(samples[19].tick, 24);
@@ -141,7 +141,7 @@ TEST(TakeSamples, ARigThatIsToldNothingIsNotMeasured) {
   for (std::size_t i = 0; i < 10; ++i) ticks[i].state = SupervisorState::ready;
   for (std::size_t i = 100; i < 110; ++i) ticks[i].state = SupervisorState::cut_off;
   for (std::size_t i = 110; i < 120; ++i) ticks[i].state = SupervisorState::ready;
-  const TakeSamples samples(take, plan);
+  const TakeSamples samples(take);
   // Ready before the start holds where the rig stood, and so does ready after a loss of power.
   EXPECT_EQ(samples[0].tick, 11);
   EXPECT_EQ(samples[88].tick, 99);
@@ -152,7 +152,7 @@ TEST(TakeSamples, AMotionThatIsNotTheMoveIsNotMeasured) {
   const Plan plan = plan_of(there, rig);
   Take take = played_take(plan);
   for (std::size_t i = 100; i < 110; ++i) take.ticks_of_take[i].time.reset();
-  const TakeSamples samples(take, plan);
+  const TakeSamples samples(take);
   EXPECT_EQ(samples.size(), take.ticks_of_take.size() - 1 - 10);
   EXPECT_EQ(samples[99].tick, 100);
   EXPECT_EQ(samples[100].tick, 111);
@@ -165,7 +165,7 @@ TEST(TakeSamples, BehindTheEndTheLastSetpointIsHeld) {
     tick->state = SupervisorState::ready;
     tick->time.reset();
   }
-  const TakeSamples samples(take, plan);
+  const TakeSamples samples(take);
   EXPECT_EQ(samples.size(), take.ticks_of_take.size() - 1);
   EXPECT_EQ(samples[samples.size() - 1].time, (FrameTime{50, 0}));
 }
@@ -173,13 +173,13 @@ TEST(TakeSamples, BehindTheEndTheLastSetpointIsHeld) {
 TEST(TakeSamples, OfAnotherRigAreRefused) {
   const Plan plan = plan_of(there, rig);
   const Plan other = plan_of(there, rig_text({{.name = "slide"}, {.name = "tilt", .unit = "deg"}}));
-  EXPECT_THROW(TakeSamples(played_take(plan), other), std::runtime_error);
+  EXPECT_THROW(errors_of(TakeSamples(played_take(plan)), measures_of(other)), std::runtime_error);
   const Plan in_m =
       plan_of(there, rig_text({{.name = "slide", .unit = "m"}, {.name = "pan", .unit = "deg"}}));
-  EXPECT_THROW(TakeSamples(played_take(plan), in_m), std::runtime_error);
+  EXPECT_THROW(errors_of(TakeSamples(played_take(plan)), measures_of(in_m)), std::runtime_error);
   Take damaged = played_take(plan);
   damaged.ticks_of_take[7].actual.pop_back();
-  EXPECT_THROW(TakeSamples(damaged, plan), std::runtime_error);
+  EXPECT_THROW(TakeSamples{damaged}, std::runtime_error);
 }
 
 TEST(TakeErrors, AreThoseOfTheAxesWhileTheyRestAndWhileTheyMove) {
@@ -190,7 +190,8 @@ TEST(TakeErrors, AreThoseOfTheAxesWhileTheyRestAndWhileTheyMove) {
     if (axis == 1) return tick == 30 ? 0.25 : 0.0;
     return tick <= 161 ? -0.5 : 0.125;
   };
-  const TakeErrors errors = errors_of({played_take(plan, {.number = 4, .error = error}), plan}, plan);
+  const TakeErrors errors =
+      errors_of(TakeSamples(played_take(plan, {.number = 4, .error = error})), measures_of(plan));
   EXPECT_EQ(errors.number, 4);
   ASSERT_EQ(errors.measures.size(), 2U);
   const MeasuredErrors& slide = errors.measures[0].errors;
@@ -214,7 +215,7 @@ TEST(TakeErrors, OfACraneAreThoseOfItsTipAndItsPicture) {
   const auto error = [](std::int64_t tick, std::size_t axis) {
     return tick == 1000 && axis == 0 ? 0.3 : 0.0;
   };
-  const TakeErrors errors = errors_of({played_take(plan, {.error = error}), plan}, plan);
+  const TakeErrors errors = errors_of(TakeSamples(played_take(plan, {.error = error})), measures_of(plan));
   ASSERT_EQ(errors.measures.size(), 9U);
   EXPECT_EQ(errors.measures[6].measure.name, "camera");
   EXPECT_NEAR(errors.measures[6].errors.all().worst(), 0.3, 1e-9);
@@ -232,7 +233,7 @@ TEST(TakeErrors, WhereTheLensLooksElsewhereAreOutOfSight) {
   const auto error = [](std::int64_t tick, std::size_t axis) {
     return tick == 1000 && axis == 3 ? 100.0 : 0.0;
   };
-  const TakeErrors errors = errors_of({played_take(plan, {.error = error}), plan}, plan);
+  const TakeErrors errors = errors_of(TakeSamples(played_take(plan, {.error = error})), measures_of(plan));
   EXPECT_TRUE(std::isinf(errors.measures[8].errors.all().worst()));
   const BudgetVerdict verdict = judge({.largest = 1e9, .unit = TakeBudget::Unit::px}, errors);
   EXPECT_FALSE(verdict.holds);
@@ -257,7 +258,7 @@ TEST(TakeBudget, HoldsForTheTipsOrElseForTheAxesOfItsUnit) {
   const Plan plan =
       plan_of(there, rig_text({{.name = "slide", .unit = "m"}, {.name = "pan", .unit = "turn"}}));
   const auto error = [](std::int64_t, std::size_t axis) { return axis == 0 ? -0.25 : 0; };
-  const TakeErrors errors = errors_of({played_take(plan, {.error = error}), plan}, plan);
+  const TakeErrors errors = errors_of(TakeSamples(played_take(plan, {.error = error})), measures_of(plan));
   const BudgetVerdict over = judge({.largest = 249, .unit = TakeBudget::Unit::mm}, errors);
   EXPECT_FALSE(over.holds);
   EXPECT_NEAR(over.largest, 250, 1e-9);
