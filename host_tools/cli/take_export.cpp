@@ -49,7 +49,7 @@ Plan plan_of_take(const Take& take) {
   options.kinematics = taken.kinematics;
   const FrameRange part{take.part.first, take.part.last};
   if (take.turns == 0) options.frames = part;
-  Plan plan(parse_move(move.text, move.path, kept_texts(take)), std::move(taken.rig), options);
+  Plan plan(parse_move_beside(kept_texts(take), move.text, move.path), std::move(taken.rig), options);
   if (take.turns == 0) return plan;
   options.frames = part;
   return {turns_of(plan, take.turns), plan.rig(), options};

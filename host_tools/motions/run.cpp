@@ -71,6 +71,11 @@ class Run {
         cues_(opened_cues(staged.plan(), session_, options)),
         audience_(session_.options().audience) {
     const Plan& plan = staged.plan();
+    if (cues_) {
+      cues_->tell([this](std::size_t pulse) {
+        if (recorder_) recorder_->pulse(pulse);
+      });
+    }
     report_.reason = "the move was played to its last frame";
     if (plan.names_frames() && !options.shoot) report_.played = plan.part();
     if (!plan.is_whole()) {

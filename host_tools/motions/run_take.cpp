@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "host_tools/move_model/move_cue.hpp"
 #include "host_tools/text/diagnostics.hpp"
 
 namespace inbetween {
@@ -52,6 +53,13 @@ std::unique_ptr<TakeRecorder> begun_take(const StagedMove& staged, const Session
   if (!options.take) return nullptr;
   TakeKeeping keeping = options.take->keeping;
   keeping.waits = rig.fast;
+  const std::int32_t frames_of_turn = options.turns && options.turns->goes_round ? options.turns->frames : 0;
+  keeping.pulse_words = [pulses = cue_pulses(staged.plan().move(), staged.plan().part()),
+                         frames_of_turn](std::size_t number) {
+    const CuePulse& pulse = pulses[number];
+    const std::int32_t frame = frames_of_turn > 0 ? pulse.frame % frames_of_turn : pulse.frame;
+    return fmt::format("{} at frame {}", pulse.line, frame + pulse.phase);
+  };
   try {
     return std::make_unique<TakeRecorder>(keeping, take_of(staged, rig, options));
   } catch (const TakeStoreError& error) {

@@ -367,7 +367,7 @@ bool is_over_time(const MoveTrack& track) {
   return track.timing == Timing::frames && kinetic_of(track) == MoveKinetic::curves;
 }
 
-MoveFile parse_move(std::string_view text, const std::string& file_name, const TextReader& read) {
+MoveFile parse_move_beside(const TextReader& read, std::string_view text, const std::string& file_name) {
   const toml::table root = parse_toml(text, file_name);
   if (root.empty()) {
     throw InputError(place_of(root), "the file is empty; a move has name, fps, frames and a [[track]]");
@@ -387,6 +387,10 @@ MoveFile parse_move(std::string_view text, const std::string& file_name, const T
   }
   read_cues(table, move);
   return move;
+}
+
+MoveFile parse_move(std::string_view text, const std::string& file_name) {
+  return parse_move_beside(read_text_file, text, file_name);
 }
 
 std::vector<std::string> files_beside(const MoveFile& move) {

@@ -208,10 +208,10 @@ void replace_curve(MoveTrack& track, std::vector<double> control_values);
 /// Reads and checks a move. Throws InputError at the first thing that is wrong.
 MoveFile read_move_file(const std::filesystem::path& path);
 
-/// The same from text; `file_name` stands in places and in MoveFile::path. `read` reads the files that it
-/// names.
-MoveFile parse_move(std::string_view text, const std::string& file_name,
-                    const TextReader& read = read_text_file);
+/// The same from text; `file_name` stands in places and in MoveFile::path.
+MoveFile parse_move(std::string_view text, const std::string& file_name);
+/// The same, with the files that it names from `read`.
+MoveFile parse_move_beside(const TextReader& read, std::string_view text, const std::string& file_name);
 /// The files that a move names.
 std::vector<std::string> files_beside(const MoveFile& move);
 

@@ -103,7 +103,10 @@ void CueOutputs::signal(bool is_exposing, std::int64_t now_ns) {
 
 void CueOutputs::put_out(const CueCount& count) {
   for (std::size_t i = 0; i < count.instants; ++i) put_out(instants_[i]);
-  for (std::size_t i = 0; log_ && i < count.begun; ++i) log_pulse(begun_[i]);
+  for (std::size_t i = 0; i < count.begun; ++i) {
+    if (told_) told_(begun_[i].pulse);
+    if (log_) log_pulse(begun_[i]);
+  }
   log_played();
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "host_tools/move_model/move_cue.hpp"
@@ -50,6 +51,10 @@ class CueOutputs {
   }
   /// Before the first tick: every pulse goes there. CueLog says what it throws.
   void log_to(const std::string& file, bool waits);
+
+  /// Before the first tick: every pulse, by its number in cue_pulses(), is told there in the tick that it
+  /// begins in, by the loop's thread.
+  void tell(std::function<void(std::size_t pulse)> told) { told_ = std::move(told); }
 
   // The loop's thread calls these. Nothing waits but the log, if it was told to; nothing is allocated.
 
@@ -103,6 +108,7 @@ class CueOutputs {
   bool has_refused_ = false;
   std::optional<std::size_t> camera_;
   std::optional<CueLog> log_;
+  std::function<void(std::size_t pulse)> told_;
   std::optional<AwaitedPulses> awaited_;  ///< while pulses are logged
   std::uint64_t not_logged_ = 0;
   std::vector<Chip> chips_;

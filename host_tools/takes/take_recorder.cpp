@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "host_tools/text/diagnostics.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -65,9 +67,12 @@ void TakeRecorder::take(const RunLoop& loop, const LoopTask* act) {
   while (!ring_->push(tick) && keeping_.waits) std::this_thread::sleep_for(between_looks_for_ticks);
 }
 
-/// A key too many is counted by the ring, and of no use to anybody.
 void TakeRecorder::press(TransportKey key) {
-  keys_->push({number_, key});
+  happened_->push({number_, TakeEvent::Kind::key, static_cast<std::size_t>(key)});
+}
+
+void TakeRecorder::pulse(std::size_t number) {
+  happened_->push({number_, TakeEvent::Kind::pulse, number});
 }
 
 // --- the writing thread
@@ -78,16 +83,18 @@ void TakeRecorder::live() {
     while (const std::optional<Tick> tick = ring_->pop()) {
       if (why_.empty()) encode(*tick);
     }
-    take_keys();
+    take_events();
     if (leaves) break;
     std::this_thread::sleep_for(between_looks_for_ticks);
   }
 }
 
-void TakeRecorder::take_keys() {
-  while (const std::optional<Key> key = keys_->pop()) {
-    const char* const words = name_of(key->key);
-    if (*words != '\0') events_.push_back({key->tick, TakeEvent::Kind::key, words});
+void TakeRecorder::take_events() {
+  while (const std::optional<Happened> event = happened_->pop()) {
+    const std::string words = event->kind == TakeEvent::Kind::key
+                                  ? name_of(static_cast<TransportKey>(event->number))
+                                  : keeping_.pulse_words(event->number);
+    if (!words.empty()) events_.push_back({event->tick, event->kind, words});
   }
 }
 
@@ -152,6 +159,10 @@ KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole) {
       store_.forget(kept_.number);
       kept_.number = 0;
       return kept_;
+    }
+    if (const std::uint64_t lost = happened_->dropped(); lost > 0) {
+      note(TakeEvent::Kind::fault,
+           fmt::format("{} found no room in the take", counted(static_cast<std::int64_t>(lost), "event")));
     }
     if (why_.empty()) write_chunk();
     // Also of a take that ended before: there may be room for its ending again.

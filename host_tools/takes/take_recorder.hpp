@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct TakeKeeping {
   /// would take more ends there.
   std::optional<std::int64_t> max_bytes = {};
   bool waits = false;  ///< the loop has time, and waits for room in the ring instead of losing a tick
+  /// What a pulse is called. The writing thread asks.
+  std::function<std::string(std::size_t pulse)> pulse_words = {};
 };
 
 /// What became of a take.
@@ -57,6 +60,8 @@ class TakeRecorder final : public TickSink {
 
   void take(const RunLoop& loop, const LoopTask* act) override;
   void press(TransportKey key) override;
+  /// The loop's thread calls it: a pulse begins in the tick that comes, or that has just been.
+  void pulse(std::size_t number);
 
   // Once no tick follows, or goes elsewhere.
 
@@ -79,16 +84,18 @@ class TakeRecorder final : public TickSink {
     std::array<double, max_rig_axes> told;
     std::array<double, max_rig_axes> actual;
   };
-  struct Key {
+  /// A key that was pressed, or a pulse that began.
+  struct Happened {
     std::int64_t tick = 0;
-    TransportKey key = TransportKey::pause;
+    TakeEvent::Kind kind = TakeEvent::Kind::key;
+    std::size_t number = 0;
   };
   static constexpr std::size_t ring_ticks = 4096;  ///< a slow disk may take 4 s at 1 kHz
   using Ring = TelemetryRing<Tick, ring_ticks>;
-  using KeyRing = TelemetryRing<Key, 256>;
+  using EventRing = TelemetryRing<Happened, ring_ticks>;
 
   void live();
-  void take_keys();
+  void take_events();
   void encode(const Tick& tick);
   void write_chunk();
   void make_room();
@@ -96,7 +103,7 @@ class TakeRecorder final : public TickSink {
   TakeKeeping keeping_;
   std::size_t axes_;
   std::unique_ptr<Ring> ring_ = std::make_unique<Ring>();
-  std::unique_ptr<KeyRing> keys_ = std::make_unique<KeyRing>();
+  std::unique_ptr<EventRing> happened_ = std::make_unique<EventRing>();
   std::int64_t number_ = 0;  // of the loop's thread, as the next
   bool has_played_ = false;
   // of the writing thread, until it is gone

@@ -286,7 +286,7 @@ TEST(GoToPlace, ATakeThatIsLeftSoIsNotWhole) {
   desk.type("\r");
   ASSERT_EQ(desk.transport.asks(), Transport::Ask::begin_take);
   LoopTrace trace(desk.plan.rig()->axes.size());
-  desk.transport.take_is_ready(trace, nullptr);
+  desk.transport.take_is_ready(trace, {});
   ASSERT_TRUE(desk.transport.begin());
   while (desk.frame() < 50) desk.tick();
   desk.type("g20\r");
