@@ -71,6 +71,12 @@ std::vector<const TakeComparison::Of*> worst_of_units(const TakeComparison& comp
 
 std::string in_one_sentence(const TakeComparison& comparison) {
   const std::vector<const TakeComparison::Of*> largest = worst_of_units(comparison);
+  const bool is_same = std::ranges::all_of(comparison.measures, [](const TakeComparison::Of& of) {
+    return of.errors.all().worst() == 0 && of.interpolation == 0;
+  });
+  if (is_same)
+    return fmt::format("take {} was where take {} was, to the last count", comparison.second,
+                       comparison.first);
   const auto frame_of = [](const TakeComparison::Of* of) { return of->errors.all().worst_at().frame; };
   const bool is_one_frame =
       std::ranges::all_of(largest, [&](const auto* of) { return frame_of(of) == frame_of(largest.front()); });

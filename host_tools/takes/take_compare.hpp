@@ -38,7 +38,8 @@ TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second
 
 /// "take 4 differs from take 1 by at most 0.18 mm, 2.1 px, at frame 96". On a rig with tips the largest of
 /// its distances and pictures; on any other the largest of the axes of each unit. Measures whose worst are on
-/// different frames each have their own: "0.18 mm at frame 96, 2.1 px at frame 97".
+/// different frames each have their own: "0.18 mm at frame 96, 2.1 px at frame 97". "take 4 was where take 1
+/// was, to the last count" where nothing differs.
 std::string in_one_sentence(const TakeComparison& comparison);
 
 }  // namespace inbetween

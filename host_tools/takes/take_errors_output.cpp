@@ -41,6 +41,7 @@ std::size_t width_of_labels(const Measures& measures) {
 }
 
 std::string number_of(double value) {
+  if (std::fabs(value) < measured_least) return "0";
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : std::string("out of sight");
 }
 

@@ -30,7 +30,7 @@ double angle_between(const Rotation3& from, const Rotation3& to) {
 std::string in_words(double error, const Measure& measure) {
   const double magnitude = std::fabs(error);
   if (!std::isfinite(magnitude)) return "out of sight";
-  if (magnitude == 0) return "0 " + measure.unit;
+  if (magnitude < measured_least) return "0 " + measure.unit;
   const int decimals = 1 - static_cast<int>(std::floor(std::log10(magnitude)));
   const double last_digit = std::pow(10.0, -decimals);
   // A number that has two digits, but for its rounding, stays.
@@ -97,6 +97,11 @@ void RigMeasures::take(std::span<const double> from, std::span<const double> to,
                        std::span<double> out) const {
   for (std::size_t i = 0; i < axes_; ++i) out[i] = to[i] - from[i];
   if (kinematics_ == nullptr) return;
+  if (std::ranges::equal(from, to)) {
+    // No rounding of the same posture, twice the way to the same picture, is an error of the rig.
+    std::ranges::fill(out.subspan(axes_), 0.0);
+    return;
+  }
   const std::vector<Pose> before = poses(from), behind = poses(to);
   std::size_t at = axes_;
   for (const Tip& tip : kinematics_->tips()) {

@@ -17,6 +17,8 @@
 namespace inbetween {
 
 inline constexpr double mm_per_m = 1000;
+/// What is smaller is shown as 0: no rig has it, and numbers of positions round to it.
+inline constexpr double measured_least = 1e-9;
 
 struct Measure {
   enum class Kind : std::uint8_t {
@@ -72,8 +74,8 @@ class RigMeasures {
   std::size_t lens_link_ = 0;
 };
 
-/// "0.18 mm": the magnitude in two digits, rounded up, so that "at most" is true; "out of sight" where it is
-/// infinite.
+/// "0.18 mm": the magnitude in two digits, rounded up, so that "at most" is true; 0 below measured_least;
+/// "out of sight" where it is infinite.
 std::string in_words(double error, const Measure& measure);
 
 /// The angle by which one frame is turned against another (deg), 0..180. Accurate for small angles too: of
