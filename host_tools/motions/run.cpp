@@ -207,9 +207,7 @@ class Run {
   }
 
   KeptTake ended_take(const std::string& ending, bool is_whole) {
-    const std::string trouble = session_.trouble();
-    if (!trouble.empty()) recorder_->note(TakeEvent::Kind::fault, trouble);
-    KeptTake kept = recorder_->finish(ending, is_whole);
+    KeptTake kept = recorder_->finish(ending, is_whole, session_.trouble());
     recorder_.reset();
     return kept;
   }

@@ -16,6 +16,12 @@ constexpr std::chrono::milliseconds between_looks_for_ticks{5};
 /// Where a drive has no whole counts an axis is kept in so much finer ones than its positions are apart.
 constexpr double finer = 1.0 / 64;
 
+/// Nothing has gone wrong, and nobody has stopped it.
+bool is_orderly(SupervisorState state) {
+  return state == SupervisorState::disarmed || state == SupervisorState::enabling ||
+         state == SupervisorState::ready || state == SupervisorState::running;
+}
+
 }  // namespace
 
 TakeAxis take_axis_of(const RigAxis& axis, std::optional<std::size_t> move_axis) {
@@ -101,6 +107,7 @@ void TakeRecorder::take_events() {
 void TakeRecorder::encode(const Tick& tick) {
   if (tick.number == 0 || tick.state != state_) {
     events_.push_back({tick.number, TakeEvent::Kind::state, name_of(tick.state)});
+    if (is_orderly(state_) && !is_orderly(tick.state)) fault_tick_ = tick.number;
     state_ = tick.state;
   }
   tick_.number = tick.number;
@@ -147,11 +154,7 @@ void TakeRecorder::make_room() {
 
 // --- after it
 
-void TakeRecorder::note(TakeEvent::Kind kind, std::string text) {
-  events_.push_back({std::max<std::int64_t>(0, number_ - 1), kind, std::move(text)});
-}
-
-KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole) {
+KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole, const std::string& fault) {
   leaves_.store(true);
   if (thread_.joinable()) thread_.join();
   try {
@@ -161,9 +164,11 @@ KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole) {
       return kept_;
     }
     if (const std::uint64_t lost = happened_->dropped(); lost > 0) {
-      note(TakeEvent::Kind::fault,
-           fmt::format("{} found no room in the take", counted(static_cast<std::int64_t>(lost), "event")));
+      events_.push_back(
+          {number_ - 1, TakeEvent::Kind::fault,
+           fmt::format("{} found no room in the take", counted(static_cast<std::int64_t>(lost), "event"))});
     }
+    if (!fault.empty()) events_.push_back({fault_tick_, TakeEvent::Kind::fault, fault});
     if (why_.empty()) write_chunk();
     // Also of a take that ended before: there may be room for its ending again.
     store_.finish(kept_.number, ending, is_whole, number_ - written_);

@@ -67,11 +67,9 @@ class TakeRecorder final : public TickSink {
 
   /// That was played.
   [[nodiscard]] bool has_played() const { return has_played_; }
-  /// Something that happened in the last tick, in words.
-  void note(TakeEvent::Kind kind, std::string text);
   /// Writes what is left, durably: what is returned as kept survives a power cut. What was never played is
-  /// forgotten.
-  KeptTake finish(const std::string& ending, bool is_whole);
+  /// forgotten. `fault`: what went wrong, in words, or "".
+  KeptTake finish(const std::string& ending, bool is_whole, const std::string& fault = "");
 
  private:
   struct Tick {
@@ -113,6 +111,7 @@ class TakeRecorder final : public TickSink {
   std::int64_t ticks_of_chunk_;
   TakeTick tick_;
   SupervisorState state_ = SupervisorState::disarmed;
+  std::int64_t fault_tick_ = 0;  // in which a stop or a cut began
   std::vector<TakeEvent> events_;
   std::int64_t written_ = 0;
   std::string why_;

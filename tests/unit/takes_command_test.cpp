@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -104,6 +105,23 @@ TEST_F(TakesCommand, WhatChangesFromTakeToTakeIsOnePicture) {
 TEST_F(TakesCommand, PulsesAreAmongWhatHappened) {
   play(in_checkout("examples/slide_and_pan.toml"), in_checkout("examples/slider_rig.toml"));
   EXPECT_THAT(takes({"show", "1"}).out, HasSubstr(" pulse "));
+}
+
+TEST_F(TakesCommand, AFaultIsToldInTheTickThatTheStopBeganIn) {
+  const ProgramRun run = run_program({"run", in_checkout("examples/reveal.toml"), "--rig",
+                                      in_checkout("examples/camera_rig.toml"), "--sim", "--fast", "--faults",
+                                      in_checkout("examples/faults/lost_axis.toml"), "--takes-in", db_});
+  ASSERT_EQ(run.status, 4);
+  const nlohmann::json events = nlohmann::json::parse(takes({"show", "1", "--json", "-"}).out)["events"];
+  const auto of_kind = [&](const std::string& kind, const std::string& text) {
+    return std::ranges::find_if(events, [&](const nlohmann::json& event) {
+      return event["kind"] == kind && event["text"].get<std::string>().find(text) != std::string::npos;
+    });
+  };
+  const auto stop = of_kind("state", "stopping"), fault = of_kind("fault", "tilt");
+  ASSERT_NE(stop, events.end()) << events;
+  ASSERT_NE(fault, events.end()) << events;
+  EXPECT_EQ((*stop)["tick"], (*fault)["tick"]);
 }
 
 TEST_F(TakesCommand, ATakeIsMeasuredThoughItsRigIsAnotherByNow) {
