@@ -43,7 +43,6 @@ void SimulatedCia402Drive::meet(const DriveTrouble& trouble) {
       return enter(can::Cia402State::switch_on_disabled);
     case Kind::put_by_hand:
     case Kind::reboot:
-      return;  // the same for all drives
     case Kind::lose_feedback:
     case Kind::lose_heartbeat:
     case Kind::stick:

@@ -345,9 +345,8 @@ void refuse_changed_files(const Take& take, const std::vector<TakeFile>& then,
 /// The take that is named. From here on the arguments are those with which it was played.
 std::optional<ReplayedTake> take_to_replay(RunArguments& arguments, const std::vector<TakeFile>& files) {
   if (!arguments.take) return std::nullopt;
-  TakeArguments of = arguments;
-  of.is_no_take = false;
-  TakeStore store(takes_file(of, arguments.move).value_or(named_takes_file(std::nullopt)),
+  TakeStore store(takes_file(TakeArguments{.takes_in = arguments.takes_in}, arguments.move)
+                      .value_or(named_takes_file(std::nullopt)),
                   TakeStore::Access::read);
   ReplayedTake replayed = replayed_take(store, *arguments.take);
   const Take& take = replayed.head;

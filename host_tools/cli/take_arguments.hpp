@@ -15,9 +15,9 @@ namespace inbetween {
 /// The arguments of `run` that are about takes.
 struct TakeArguments {
   bool is_no_take = false;
-  std::optional<std::string> takes_in;
-  std::optional<std::int64_t> max_take_bytes;  ///< --keep
-  std::optional<std::int64_t> take;            ///< to be played again
+  std::optional<std::string> takes_in = {};
+  std::optional<std::int64_t> max_take_bytes = {};  ///< --keep
+  std::optional<std::int64_t> take = {};            ///< to be played again
 };
 void add_take_options(CLI::App& command, TakeArguments& arguments);
 

@@ -12,13 +12,13 @@ namespace inbetween {
 /// Writes what `run --record` would have written: an actual position that was no whole number of
 /// TakeAxis::resolution is off by half of that at most. "-" is standard output. Throws what TakeStore and
 /// write_output throw.
-void export_take_csv(TakeStore& store, std::int64_t take, const std::string& file);
+void export_take_csv(TakeStore& store, std::int64_t number, const std::string& file);
 
 /// Writes the trajectory that it played, with proven stops, as `plan --trajectory` does: solved again from
 /// the texts that were kept. Throws those, and InputError.
-void export_take_trajectory(TakeStore& store, std::int64_t take, const std::string& file);
+void export_take_trajectory(TakeStore& store, std::int64_t number, const std::string& file);
 
 /// What `run --plot` draws of it.
-RunPlot plot_of_take(TakeStore& store, std::int64_t take);
+RunPlot plot_of_take(TakeStore& store, std::int64_t number);
 
 }  // namespace inbetween

@@ -17,7 +17,7 @@ struct ReplayedTake {
 
 /// Throws TakeStoreError where there is no such take, or it is none that can be played again: it was shot
 /// frame by frame or goes over its end, it has not all ticks up to there, or never came to rest on its path.
-ReplayedTake replayed_take(TakeStore& store, std::int64_t take);
+ReplayedTake replayed_take(TakeStore& store, std::int64_t number);
 
 /// The first file that is another today than in a take, in words; "" where all are what they were. Both have
 /// them in the same order.

@@ -35,12 +35,10 @@ class Commands {
     const bool plays = tick.state == SupervisorState::running || tick.state == SupervisorState::stopping;
     std::optional<TakeSample> here;
     if (tick.time) here = TakeSample{.turn = tick.turn, .time = *tick.time};
-    if (plays) {
-      last_ = here;  // without a time something else moves the rig
-    } else if (!answers(tick.state)) {
+    if (!answers(tick.state)) {
       last_.reset();
-    } else if (last_ && here) {
-      last_ = here;
+    } else if (plays || (last_ && here)) {
+      last_ = here;  // while it plays without a time something else moves the rig
     }
     return last_;
   }

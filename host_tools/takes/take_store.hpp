@@ -70,9 +70,9 @@ class TakeStore {
   /// In the order of their numbers. Reads no tick.
   [[nodiscard]] std::vector<TakeInfo> list();
   /// Without ticks. Throws where there is no such take, too.
-  [[nodiscard]] Take read_head(std::int64_t take);
+  [[nodiscard]] Take read_head(std::int64_t number);
   /// Whole. Memory: 16 bytes a tick and axis, and 100 a tick.
-  [[nodiscard]] Take read(std::int64_t take);
+  [[nodiscard]] Take read(std::int64_t number);
   /// Tick by tick, until `tick` returns false.
   void read_ticks(const Take& head, const std::function<bool(const TakeTick&)>& tick);
 
