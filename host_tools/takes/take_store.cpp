@@ -9,9 +9,12 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <memory>
+#include <system_error>
 #include <utility>
 
 #include "host_tools/takes/byte_text.hpp"
+#include "host_tools/takes/database_file.hpp"
 #include "host_tools/takes/taken_motion.hpp"
 #include "host_tools/takes/tick_codec.hpp"
 #include "host_tools/text/diagnostics.hpp"
@@ -67,6 +70,7 @@ const char* remedy_of(int code) {
     case SQLITE_FULL:
       return "make room on the disk, or forget takes with inbetween takes delete or --keep SIZE";
     case SQLITE_READONLY:
+      return "it is write-protected: copy it to a folder that you may write to";
     case SQLITE_CANTOPEN:
     case SQLITE_PERM:
       return "choose a folder that exists and that you may write to with --takes-in FILE, or --no-take";
@@ -86,12 +90,36 @@ const char* remedy_of(int code) {
 TakeStoreError::TakeStoreError(const std::string& file, std::string message)
     : std::runtime_error(file + ": error: " + message), message_(std::move(message)) {}
 
-// --- a statement, and a transaction that is taken back unless it was committed
+// --- the open file, a statement, and a transaction that is taken back unless it was committed
+
+class TakeStore::Database {
+ public:
+  Database() = default;
+  ~Database() { sqlite3_close(database_); }
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  /// SQLite's code. A thread at a time uses it.
+  int open(const std::string& address, int how) {
+    const int code =
+        sqlite3_open_v2(address.c_str(), &database_, how | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+    if (code == SQLITE_OK) sqlite3_busy_timeout(database_, patience_ms);
+    return code;
+  }
+  /// Until it is closed.
+  void keep(std::unique_ptr<DatabaseCopy> copy) { copy_ = std::move(copy); }
+  [[nodiscard]] sqlite3* get() const { return database_; }
+
+ private:
+  std::unique_ptr<DatabaseCopy> copy_;
+  sqlite3* database_ = nullptr;
+};
 
 class TakeStore::Statement {
  public:
   Statement(TakeStore& store, const std::string& sql) : store_(store) {
-    if (sqlite3_prepare_v2(store.database_, sql.c_str(), -1, &statement_, nullptr) != SQLITE_OK) store.fail();
+    if (sqlite3_prepare_v2(store.database_->get(), sql.c_str(), -1, &statement_, nullptr) != SQLITE_OK)
+      store.fail();
   }
   ~Statement() { sqlite3_finalize(statement_); }
   Statement(const Statement&) = delete;
@@ -159,7 +187,7 @@ class TakeStore::Transaction {
   explicit Transaction(TakeStore& store) : store_(store) { store.execute("BEGIN IMMEDIATE"); }
   ~Transaction() {
     // SQLite has taken it back by itself after some errors.
-    if (!is_done_) sqlite3_exec(store_.database_, "ROLLBACK", nullptr, nullptr, nullptr);
+    if (!is_done_) sqlite3_exec(store_.database_->get(), "ROLLBACK", nullptr, nullptr, nullptr);
   }
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
@@ -177,17 +205,10 @@ class TakeStore::Transaction {
 // --- the file
 
 TakeStore::TakeStore(const std::string& file, Access access) : file_(file) {
-  try {
-    open(access);
-  } catch (...) {
-    sqlite3_close(database_);
-    throw;
-  }
+  open(access);
 }
 
-TakeStore::~TakeStore() {
-  sqlite3_close(database_);
-}
+TakeStore::~TakeStore() = default;
 
 void TakeStore::open(Access access) {
   std::error_code unknown;
@@ -195,11 +216,8 @@ void TakeStore::open(Access access) {
     fail("there are no takes", "inbetween run keeps them in the folder of the move; name another with --in");
   }
   const int how = access == Access::read ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
-  // A name that begins with "file:" would be an address; a thread at a time uses it.
-  const std::string path = std::filesystem::path(file_).is_absolute() ? file_ : "./" + file_;
-  int code = sqlite3_open_v2(path.c_str(), &database_, how | SQLITE_OPEN_NOMUTEX, nullptr);
-  if (code != SQLITE_OK) fail();
-  sqlite3_busy_timeout(database_, patience_ms);
+  open_database(address_of_database(file_), how);
+  if (access == Access::read && lacks_its_index()) open_write_protected();
   execute("PRAGMA foreign_keys = ON");
   const std::int64_t id = number_of("PRAGMA application_id");
   const std::int64_t version = number_of("PRAGMA user_version");
@@ -210,11 +228,47 @@ void TakeStore::open(Access access) {
          "use a newer inbetween, or another file");
   if (access == Access::read && is_new) fail("there are no takes in it", "inbetween run keeps them");
   if (access == Access::read) return;
-  if (sqlite3_db_readonly(database_, "main") == 1)
+  if (sqlite3_db_readonly(database_->get(), "main") == 1)
     fail("it is write-protected", "choose a file that you may write to with --takes-in FILE, or --no-take");
   if (is_new) make_tables();
   execute("PRAGMA journal_mode = WAL");
   execute("PRAGMA synchronous = NORMAL");
+}
+
+void TakeStore::open_database(const std::string& address, int how) {
+  database_ = std::make_unique<Database>();
+  if (database_->open(address, how) != SQLITE_OK) fail();
+}
+
+/// Whoever reads a file with a write-ahead log needs its index, FILE-shm, and makes one where there is none:
+/// not where the folder is write-protected.
+bool TakeStore::lacks_its_index() {
+  if (!refusal_beside(file_)) return false;
+  const int code =
+      sqlite3_exec(database_->get(), "SELECT 1 FROM sqlite_schema", nullptr, nullptr, nullptr) & 0xFF;
+  return code == SQLITE_CANTOPEN || code == SQLITE_READONLY;
+}
+
+/// Nobody has the file open, or it would have its index. So nobody writes, and without a log the file can be
+/// read as it is ("Write-Ahead Logging: Read-Only Databases" of SQLite's documents). Immutable, SQLite would
+/// not see what is in a log alone: then it reads a copy, which can have an index. A change in the copy would
+/// be lost.
+void TakeStore::open_write_protected() {
+  if (!has_database_log(file_)) {
+    open_database(address_of_database(file_) + "?immutable=1", SQLITE_OPEN_READONLY);
+    return;
+  }
+  std::unique_ptr<DatabaseCopy> copy;
+  try {
+    copy = std::make_unique<DatabaseCopy>(file_);
+  } catch (const std::system_error& error) {
+    fail(fmt::format("it is write-protected, and it takes a copy to read what is in its log alone: {}",
+                     error.code().message()),
+         "make room for temporary files, or name a folder for them in TMPDIR");
+  }
+  open_database(address_of_database(copy->path()), SQLITE_OPEN_READWRITE);
+  database_->keep(std::move(copy));
+  execute("PRAGMA query_only = ON");
 }
 
 /// Two programs may come here at once.
@@ -231,7 +285,7 @@ void TakeStore::make_tables() {
 }
 
 void TakeStore::execute(const char* sql) {
-  if (sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+  if (sqlite3_exec(database_->get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK) fail();
 }
 
 std::int64_t TakeStore::number_of(const char* sql) {
@@ -240,10 +294,13 @@ std::int64_t TakeStore::number_of(const char* sql) {
 }
 
 void TakeStore::fail() {
-  const int code = sqlite3_extended_errcode(database_);
-  std::string what = sqlite3_errmsg(database_);
+  const int code = sqlite3_extended_errcode(database_->get());
+  std::string what = sqlite3_errmsg(database_->get());
   // "disk I/O error" is said better by what the kernel has said.
-  const int system = sqlite3_system_errno(database_);
+  int system = sqlite3_system_errno(database_->get());
+  // SQLite tries to read what it cannot make, and the last error is that of reading.
+  if (const std::error_code refusal = refusal_beside(file_); (code & 0xFF) == SQLITE_CANTOPEN && refusal)
+    system = refusal.value();
   const bool is_of_disk = (code & 0xFF) == SQLITE_IOERR || (code & 0xFF) == SQLITE_CANTOPEN;
   if (is_of_disk && system != 0) what += fmt::format(": {}", std::strerror(system));
   const bool is_full = is_of_disk && (system == ENOSPC || system == EFBIG || system == EDQUOT);
@@ -314,7 +371,7 @@ std::int64_t TakeStore::begin(const Take& take) {
       .with(keep_content(take.trajectory))
       .with(bytes)
       .run();
-  const std::int64_t number = sqlite3_last_insert_rowid(database_);
+  const std::int64_t number = sqlite3_last_insert_rowid(database_->get());
   keep_parts(number, take);
   transaction.commit();
   return number;

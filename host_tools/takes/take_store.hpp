@@ -12,8 +12,6 @@
 
 #include "host_tools/takes/take.hpp"
 
-struct sqlite3;
-
 namespace inbetween {
 
 /// Its name in a project folder, which is that of the move file.
@@ -41,12 +39,15 @@ struct TakeChunk {
 /// through the end of the program, whatever ends it; what finish() has done, through a power cut as well (a
 /// write-ahead log, synchronised then). Whatever happens the file can be opened again.
 ///
-/// A disk that is full, lost or write-protected: the call throws, and the file has what it had before.
+/// A disk that is full, lost or write-protected: the call throws, and the file has what it had before. A file
+/// on a write-protected disk can be read. Where a program that was killed has left takes in its log, that is
+/// done from a copy of both in the folder for temporary files, which needs the room there and goes with the
+/// store.
 class TakeStore {
  public:
   enum class Access : std::uint8_t {
     write,  ///< makes the file where there is none
-    read,
+    read,   ///< makes no file; takes can be marked and forgotten, too
   };
 
   /// Throws TakeStoreError where the file cannot be opened, is another program's or of a newer version.
@@ -85,9 +86,13 @@ class TakeStore {
   [[nodiscard]] std::int64_t used_bytes();
 
  private:
+  class Database;
   class Statement;
   class Transaction;
   void open(Access access);
+  void open_database(const std::string& address, int how);
+  [[nodiscard]] bool lacks_its_index();
+  void open_write_protected();
   void make_tables();
   void execute(const char* sql);
   [[nodiscard]] std::int64_t number_of(const char* sql);
@@ -99,7 +104,7 @@ class TakeStore {
   void refuse_unknown(std::int64_t take);
 
   std::string file_;
-  sqlite3* database_ = nullptr;
+  std::unique_ptr<Database> database_;
 };
 
 /// A hash of bytes: their number and FNV-1a, "1234-0123456789abcdef".

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <random>
@@ -114,6 +115,73 @@ TEST(TakeStore, AFolderThatCannotBeWrittenIsOneLineAndTheRunGoesOn) {
               HasSubstr("/proc/takes.db: warning: this run is no take: unable to open database file"));
   EXPECT_EQ(std::ranges::count(run.err, '\n'), 1);
   EXPECT_THAT(run.out, HasSubstr("reveal: the move was played to its last frame"));
+}
+
+/// Somebody to whom a folder is write-protected, also where the tests run as root.
+class Nobody {
+ public:
+  Nobody() {
+    if (geteuid() == 0) is_other_ = setresuid(65534, 65534, 0) == 0;
+  }
+  ~Nobody() {
+    if (is_other_ && setresuid(0, 0, 0) != 0) std::abort();
+  }
+  Nobody(const Nobody&) = delete;
+  Nobody& operator=(const Nobody&) = delete;
+
+ private:
+  bool is_other_ = false;
+};
+
+void protect(const std::filesystem::path& folder) {
+  for (const auto& file : std::filesystem::directory_iterator(folder))
+    std::filesystem::permissions(file.path(), std::filesystem::perms(0444));
+  std::filesystem::permissions(folder, std::filesystem::perms(0555));
+}
+
+/// Read with what is in its log, and left as it was.
+void expect_read_where_it_is_write_protected(const std::filesystem::path& folder, const std::string& file,
+                                             std::int64_t ticks) {
+  protect(folder);
+  const std::string before = file_contents(folder / file) + file_contents(folder / (file + "-wal"));
+  {
+    const Nobody nobody;
+    TakeStore store(folder / file, TakeStore::Access::read);
+    const std::vector<TakeInfo> takes = store.list();
+    ASSERT_THAT(takes, SizeIs(1));
+    EXPECT_EQ(takes[0].ticks, ticks);
+    expect_whole(store, 1);
+    EXPECT_THAT([&] { store.mark(1, true); },
+                testing::ThrowsMessage<TakeStoreError>(HasSubstr("it is write-protected: copy it")));
+  }
+  EXPECT_EQ(file_contents(folder / file) + file_contents(folder / (file + "-wal")), before);
+  EXPECT_FALSE(std::filesystem::exists(folder / (file + "-shm")));
+  std::filesystem::permissions(folder, std::filesystem::perms(0755));
+}
+
+TEST(TakeStore, InAFolderThatIsWriteProtectedItIsReadAsItIs) {
+  const TemporaryFolder folder;
+  const RunReport report = run_kept(plan_of_reveal(), {.file = folder.path() / "?takes #1%20.db"});
+  expect_read_where_it_is_write_protected(folder.path(), "?takes #1%20.db", report.kept->ticks);
+}
+
+TEST(TakeStore, InAFolderThatIsWriteProtectedItIsReadWithItsLog) {
+  const TemporaryFolder folder, killed;
+  const std::string file = folder.path() / "takes.db";
+  // While somebody has it open all of it is in its log. The power is cut: its index is lost.
+  TakeStore open(file, TakeStore::Access::write);
+  const RunReport report = run_kept(plan_of_reveal(), {.file = file});
+  for (const char* name : {"takes.db", "takes.db-wal"})
+    std::filesystem::copy_file(folder.path() / name, killed.path() / name);
+  ASSERT_GT(std::filesystem::file_size(killed.path() / "takes.db-wal"), 10'000U);
+  expect_read_where_it_is_write_protected(killed.path(), "takes.db", report.kept->ticks);
+  // Through a link from a folder that is not.
+  const std::string link = folder.path() / "link.db";
+  std::filesystem::create_symlink(killed.path() / "takes.db", link);
+  protect(killed.path());
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
+  const Nobody nobody;
+  EXPECT_THAT(TakeStore(link, TakeStore::Access::read).list(), SizeIs(1));
 }
 
 // docs/faults.md 56
