@@ -173,6 +173,15 @@ TEST(Bench, OptionsThatMakeNoSenseAreRefused) {
   EXPECT_EQ(refused({"--gpio", "io"}), "sim/bench/run: error: --gpio io: write LABEL:LINES, such as io:8\n");
   EXPECT_EQ(refused({"--name", "io:FOCUS"}),
             "sim/bench/run: error: --name io:FOCUS: write LABEL:LINE:NAME, such as io:3:lamp\n");
+  EXPECT_EQ(refused({"--disk", "/dev/null"}),
+            "sim/bench/run: error: --disk /dev/null: it is no file that can be read and written\n");
+  EXPECT_EQ(refused({"--disk", bench_run, "--disk", bench_run}),
+            "sim/bench/run: error: --disk " + bench_run + ": the bench has one disk, and that is " +
+                bench_run + "\n");
+  const TemporaryFile empty("disk", "");
+  EXPECT_EQ(refused({"--disk", empty.path()}),
+            "sim/bench/run: error: --disk " + empty.path().string() +
+                ": it is empty; make it as long as the disk, such as with truncate --size=16M\n");
   EXPECT_EQ(refused({"--timeout", "0"}),
             "sim/bench/run: error: --timeout 0: write a whole number from 1 to 604800\n");
   EXPECT_EQ(refused({"--frobnicate"}), "sim/bench/run: error: unknown option '--frobnicate'; see --help\n");

@@ -20,7 +20,7 @@ while IFS= read -r line <&3 || [[ -n $line ]]; do
   if [[ $line == "    "* ]]; then
     command+=${line#    }$'\n'
   else
-    if [[ $command == sim/bench/run* ]]; then try "$command"; fi
+    if [[ $command == *sim/bench/run* ]]; then try "$command"; fi
     command=
   fi
 done 3<docs/bench.md
