@@ -203,7 +203,9 @@ class TickWriter {
     }
     if (tick.turn != known_.turn) {
       flags_ |= has_other_turn;
-      body_.whole_signed(tick.turn - known_.turn);
+      // Any two of them: what goes beyond the whole numbers comes back round (read_place).
+      body_.whole_signed(static_cast<std::int64_t>(static_cast<std::uint64_t>(tick.turn) -
+                                                   static_cast<std::uint64_t>(known_.turn)));
     }
     if (!tick.time) return;
     flags_ |= has_time;
