@@ -19,8 +19,9 @@ TakeComparison compare_takes(const TakeSamples& first, const TakeSamples& second
   std::vector<std::vector<double>> worst(measures.all().size());  // where the first take was then
   std::vector<double> there(axes), missed(axes), values(measures.all().size());
   const TakeLine line(first), leading(second);
+  std::size_t near = 0;
   for (const std::size_t i : leading.samples()) {
-    if (!line.actual_at({second[i].turn, second[i].time}, there, missed)) {
+    if (!line.actual_at({second[i].turn, second[i].time}, there, missed, near)) {
       ++comparison.only_second;
       continue;
     }

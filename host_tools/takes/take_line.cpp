@@ -43,10 +43,23 @@ double TakeLine::bend(std::size_t index, std::size_t axis) const {
   return std::fabs(2 * (slope_right - slope_left) / (left + right));
 }
 
-bool TakeLine::actual_at(const Place& place, std::span<double> out, std::span<double> missed) const {
-  const auto found = std::partition_point(
-      ahead_.begin(), ahead_.end(), [&](std::size_t sample) { return is_before(samples_[sample], place); });
-  const auto low = static_cast<std::size_t>(found - ahead_.begin());
+/// The first of the samples that lead on that is not before a place. It is one of the next few where two
+/// takes are gone through side by side: searching for each of them took most of the time of a path report.
+std::size_t TakeLine::first_behind(const Place& place, std::size_t from) const {
+  const auto is_sample_before = [&](std::size_t sample) { return is_before(samples_[sample], place); };
+  constexpr std::size_t few = 3;
+  if (from == 0 || is_sample_before(ahead_[from - 1])) {
+    for (const std::size_t end = std::min(from + few, ahead_.size()); from < end; ++from) {
+      if (!is_sample_before(ahead_[from])) return from;
+    }
+  }
+  const auto found = std::partition_point(ahead_.begin(), ahead_.end(), is_sample_before);
+  return static_cast<std::size_t>(found - ahead_.begin());
+}
+
+bool TakeLine::actual_at(const Place& place, std::span<double> out, std::span<double> missed,
+                         std::size_t& from_sample) const {
+  const std::size_t low = from_sample = first_behind(place, from_sample);
   if (low == ahead_.size()) return false;
   const TakeSample& behind = samples_[ahead_[low]];
   if (behind.turn == place.turn && behind.time == place.time) {

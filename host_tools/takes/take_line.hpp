@@ -33,11 +33,14 @@ class TakeLine {
   };
   /// Where the axes were at a place, into `out`; false where the take was not there, or lost the ticks around
   /// it. `missed` grows to the interpolation error of each axis, in its unit, where it is larger. Exact at a
-  /// sample. O(log samples + axes).
-  bool actual_at(const Place& place, std::span<double> out, std::span<double> missed) const;
+  /// sample. O(axes) where `from_sample` is the one found for a place a little before, O(log samples + axes)
+  /// otherwise; it becomes the one for this place. Whoever looks for places that lead on begins with 0.
+  bool actual_at(const Place& place, std::span<double> out, std::span<double> missed,
+                 std::size_t& from_sample) const;
 
  private:
   [[nodiscard]] static bool is_before(const TakeSample& sample, const Place& place);
+  [[nodiscard]] std::size_t first_behind(const Place& place, std::size_t from) const;
   [[nodiscard]] double bend(std::size_t index, std::size_t axis) const;
   [[nodiscard]] double frames_from_to(std::size_t from, std::size_t to) const;
   [[nodiscard]] bool is_near(std::size_t index) const;

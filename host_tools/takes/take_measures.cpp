@@ -80,17 +80,16 @@ void RigMeasures::add(Measure measure, const Tip& tip) {
   }
 }
 
-std::vector<Pose> RigMeasures::poses(std::span<const double> axes) const {
-  if (kinematics_ == nullptr) return {};
-  std::vector<Pose> poses(kinematics_->tree().joints().size());
-  const Status status = kinematics_->tree().poses(axes, poses);
+void RigMeasures::poses(std::span<const double> axes, std::vector<Pose>& out) const {
+  out.resize(kinematics_ == nullptr ? 0 : kinematics_->tree().joints().size());
+  if (kinematics_ == nullptr) return;
+  const Status status = kinematics_->tree().poses(axes, out);
   if (!status) {
     throw std::runtime_error(fmt::format(
         "inbetween: error: {} is at {}, which is no position of a joint; look at what its drive told",
         measures_[static_cast<std::size_t>(status.error().axis)].name,
         axes[static_cast<std::size_t>(status.error().axis)]));
   }
-  return poses;
 }
 
 void RigMeasures::take(std::span<const double> from, std::span<const double> to,
@@ -102,7 +101,9 @@ void RigMeasures::take(std::span<const double> from, std::span<const double> to,
     std::ranges::fill(out.subspan(axes_), 0.0);
     return;
   }
-  const std::vector<Pose> before = poses(from), behind = poses(to);
+  std::vector<Pose> before, behind;
+  poses(from, before);
+  poses(to, behind);
   std::size_t at = axes_;
   for (const Tip& tip : kinematics_->tips()) {
     const auto link = static_cast<std::size_t>(tip.link);

@@ -48,9 +48,10 @@ class RigMeasures {
     return moved_by_[measure];
   }
 
-  /// The links of the rig in the world, of a position for each axis; empty without joints. Throws
-  /// std::runtime_error, one line, where a position is beyond what JointTree::poses() takes.
-  [[nodiscard]] std::vector<Pose> poses(std::span<const double> axes) const;
+  /// The links of the rig in the world, of a position for each axis, into `out`, which gets their number;
+  /// none without joints. Throws std::runtime_error, one line, where a position is beyond what
+  /// JointTree::poses() takes.
+  void poses(std::span<const double> axes, std::vector<Pose>& out) const;
   /// Every measure of `to` against `from`, into `out`. O(joints + axes).
   void take(std::span<const double> from, std::span<const double> to, std::span<double> out) const;
 
