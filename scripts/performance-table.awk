@@ -63,6 +63,8 @@ END {
   print "\n| three axes in seven phases of constant jerk over the drawn speed, at random times | times |\n|---|---:|"
   ratio_row("position", "jerk_profiles", "tick/3", "%.1f")
   ratio_row("position, velocity, acceleration and jerk", "jerk_profiles", "motion/3", "%.2f")
+  print "\n| a tick of the loop of 16 axes that are where they were told to be, with a take over one without | times |\n|---|---:|"
+  ratio_row("1 kHz", "take_tick_with", "take_tick_without", "%.2f")
   print "\n| the certificate with bounds of every stop over the certificate alone | times |\n|---|---:|"
   ratio_row("240 frames, 8 keys, 3 axes", "certificate_and_stops/example", "certificate/example", "%.1f")
   ratio_row("2400 frames, 100 keys, 16 axes", "certificate_and_stops/100x16", "certificate/100x16", "%.1f")
