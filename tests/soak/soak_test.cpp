@@ -16,66 +16,17 @@
 #include "host_tools/motions/run_checks.hpp"
 #include "host_tools/motions/transport.hpp"
 #include "inbetween/base/hash.hpp"
-#include "tests/support/rig_text.hpp"
+#include "tests/support/sixteen_axes.hpp"
 
 namespace inbetween {
 namespace soak_test {
 
-constexpr std::int32_t rate_hz = 1000;
-constexpr std::int32_t fps = 25;
-constexpr std::int32_t frames = 250;  // ten seconds, a whole number of ticks
-constexpr std::int64_t ticks_of_a_loop = std::int64_t{rate_hz} * frames / fps;
-constexpr int axes = 16;
+using namespace sixteen_axes;
+constexpr std::int64_t ticks_of_a_loop = std::int64_t{rate_hz} * frames / fps;  // a whole number
 
 double minutes_to_play() {
   const char* const asked = std::getenv("INBETWEEN_SOAK_MINUTES");
   return asked == nullptr ? 10 : std::atof(asked);
-}
-
-/// A bus takes two of them at 1 kHz.
-std::string cia402_on(int bus, int node) {
-  return fmt::format(R"(type = "cia402", bus = "can{}", node = {}, counts_per_unit = 1000)", bus, node);
-}
-
-/// Drives of every kind, a gantry and a gear with play among them.
-std::string rig_of_sixteen() {
-  std::vector<AxisText> texts;
-  for (int i = 0; i < axes; ++i) {
-    AxisText axis{.name = fmt::format("a{}", i), .unit = "deg", .max_acceleration = 1000};
-    if (i < 3) axis.drive = cia402_on(i == 0 ? 0 : 1, i + 1);
-    if (i == 0) {
-      axis.more = "ganged = [{ drive = { " + cia402_on(0, 4) + " }, offset = 2 }]\nmax_skew = 0.5\n";
-    }
-    if (i == 1) axis.more = "backlash = { play = 0.05, take_up_s = 0.2, approach = \"positive\" }\n";
-    if (i >= 3 && i < 5) {
-      axis.drive = fmt::format(
-          R"(type = "odrive", bus = "can2", node = {}, turns_per_unit = 0.0125, firmware = "0.6")", i);
-    }
-    if (i >= 5 && i < 8) {
-      axis.drive = fmt::format(
-          R"(type = "step-dir", chip = "gpio", step = {}, dir = {}, steps_per_unit = 40)", 2 * i, 2 * i + 1);
-    }
-    texts.push_back(axis);
-  }
-  return rig_text(texts,
-                  {.name = "sixteen",
-                   .rate_hz = rate_hz,
-                   .more = bus_can0 + "[bus.can1]\nbitrate = 1000000\n[bus.can2]\nbitrate = 1000000\n"});
-}
-
-/// There and back in ten seconds, each axis a distance of its own.
-std::string move_of_sixteen() {
-  std::string names, there, back;
-  for (int i = 0; i < axes; ++i) {
-    const char* const comma = i == 0 ? "" : ", ";
-    names += fmt::format("{}\"a{}\"", comma, i);
-    back += fmt::format("{}{}", comma, 1 + 0.1 * i);
-    there += fmt::format("{}{}", comma, 60.3 - 7.7 * i);
-  }
-  return fmt::format(
-      "name = \"soak\"\nfps = {}\nframes = {}\n[[track]]\naxes = [{}]\nkeys = [{{ at = [{}] }}, {{ at = [{}] "
-      "}}, {{ at = [{}] }}]\nspeed = [0, 0, 10, 10, 0, 0]\ncorners = \"ease\"\n",
-      fps, frames, names, back, there, back);
 }
 
 struct Memory {
@@ -163,7 +114,7 @@ std::int64_t count_named(const std::vector<Counted>& counted, const std::string&
 }
 
 TEST(Soak, ALoopIsTheSameToTheLastBitHoweverLongItIsPlayedAndMemoryDoesNotGrow) {
-  const Plan plan(parse_move(move_of_sixteen(), "move.toml"), parse_rig(rig_of_sixteen(), "rig.toml"), {});
+  const Plan plan(parse_move(move(), "move.toml"), parse_rig(rig_of(Drives::of_every_kind), "rig.toml"), {});
   const auto staged = checked_move(plan, 1, Repeat::loop);
   const auto ticks = static_cast<std::int64_t>(minutes_to_play() * 60 * rate_hz);
   RigReference reference = reference_of(*plan.rig(), std::nullopt, true);
