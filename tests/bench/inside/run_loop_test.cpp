@@ -24,8 +24,12 @@
 #include "host_tools/motions/transport.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/rig/machine_hardware.hpp"
+#include "host_tools/takes/take_recorder.hpp"
+#include "host_tools/takes/take_store.hpp"
+#include "host_tools/takes/taken_motion.hpp"
 #include "tests/bench/inside/allowed_calls.hpp"
 #include "tests/support/rig_text.hpp"
+#include "tests/support/temporary_file.hpp"
 
 namespace inbetween {
 namespace run_loop_test {
@@ -76,8 +80,10 @@ class DrivesProcess {
   pid_t child_ = -1;
 };
 
-/// What a run consists of, without its audience.
+/// What a run consists of, without its audience. With a sink every tick goes there.
 struct LoopOnBus {
+  explicit LoopOnBus(TickSink* take = nullptr) : trace(2, {take}) {}
+
   Plan plan{parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {}};
   StagedMove staged{plan};
   MachineHardware hardware{*plan.rig()};
@@ -85,7 +91,7 @@ struct LoopOnBus {
   RigInputs lines{*plan.rig(), hardware};
   LoopStorage room{2, 2};
   RunLoop loop{drives, lines, room.memory()};
-  LoopTrace trace{2};
+  LoopTrace trace;
   Arming arming{loop};
   Transport transport{loop, staged, true};
   TelemetryRing<RunSnapshot, 64> shown;
@@ -97,7 +103,7 @@ struct LoopOnBus {
     deadline_ns += 40'000'000;
     clock.sleep_until_ns(deadline_ns);
     act.tick(1, clock.now_ns());
-    trace.take(loop);
+    trace.take(loop, &act);
     shown.push(act.snapshot());
   }
   /// Switches the drives on and starts. False: they could not be.
@@ -125,6 +131,50 @@ TEST(RunLoopOnBus, MakesNoOtherSystemCallsThanToSleepToSendAndToReceive) {
     if (rig->loop.state() != SupervisorState::latched) ::_exit(3);
   };
   EXPECT_EQ(only_loop_calls(prepare, loop), "");
+}
+
+/// A take of the move before its first tick.
+Take take_of_move() {
+  const Plan plan(parse_move(there, "move.toml"), parse_rig(bench, "rig.toml"), {});
+  Take take;
+  take.rate_hz = plan.rig()->rate_hz;
+  take.frame_rate = plan.played().frame_rate();
+  take.frames = plan.move().frames;
+  for (const PlanAxis& axis : plan.axes())
+    take.axes.push_back(take_axis_of(plan.rig()->axes[take.axes.size()], axis.move_axis));
+  take.trajectory = bytes_of(plan.motion());
+  return take;
+}
+
+TEST(RunLoopOnBus, MakesNoSystemCallMoreForATake) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "takes.db";
+  constexpr std::int64_t moving_ticks = 60, stopped_ticks = 60;
+  std::unique_ptr<DrivesProcess> drives;
+  std::unique_ptr<TakeRecorder> recorder;
+  std::unique_ptr<LoopOnBus> rig;
+  const auto prepare = [&] {
+    drives = std::make_unique<DrivesProcess>(parse_rig(bench, "rig.toml"));
+    // Its thread is there before the filter, which is of this thread alone.
+    recorder = std::make_unique<TakeRecorder>(
+        TakeKeeping{.file = file, .pulse_words = [](std::size_t) { return std::string("flash"); }},
+        take_of_move());
+    rig = std::make_unique<LoopOnBus>(recorder.get());
+  };
+  const auto loop = [&] {
+    if (!rig->start()) ::_exit(1);
+    for (int i = 0; i < moving_ticks; ++i) rig->tick(rig->transport);
+    if (rig->loop.state() != SupervisorState::running) ::_exit(2);
+    recorder->pulse(0);
+    rig->trace.press(rig->transport, TransportKey::stop);
+    for (int i = 0; i < stopped_ticks; ++i) rig->tick(rig->transport);
+    if (rig->loop.state() != SupervisorState::latched) ::_exit(3);
+  };
+  EXPECT_EQ(only_loop_calls(prepare, loop), "");
+  // The process ended as one that is killed: what was written by then is there, all but a second.
+  TakeStore store(file, TakeStore::Access::read);
+  EXPECT_GE(store.list().at(0).ticks, moving_ticks + stopped_ticks - take_of_move().rate_hz);
+  EXPECT_EQ(store.list().at(0).lost_ticks, 0);
 }
 
 TEST(RunLoopOnBus, NoPageFaultsAfterTheFirstSecond) {
