@@ -233,6 +233,8 @@ void TakeStore::open(Access access) {
   if (is_new) make_tables();
   execute("PRAGMA journal_mode = WAL");
   execute("PRAGMA synchronous = NORMAL");
+  // Where somebody reads for long the log grows beyond; then it is cut off again.
+  execute("PRAGMA journal_size_limit = 4000000");
 }
 
 void TakeStore::open_database(const std::string& address, int how) {
@@ -552,7 +554,19 @@ void TakeStore::forget(std::int64_t take) {
     forget_unused_content();
     transaction.commit();
   }
-  execute("PRAGMA incremental_vacuum");
+  give_room_back();
+}
+
+/// In portions: all at once the write-ahead log would grow by what is moved, which is as much as was
+/// forgotten, and stay so large until the last program has closed the file.
+void TakeStore::give_room_back() {
+  std::int64_t free = number_of("PRAGMA freelist_count");
+  while (free > 0) {
+    execute("PRAGMA incremental_vacuum(1000)");
+    const std::int64_t left = number_of("PRAGMA freelist_count");
+    if (left >= free) return;  // another program takes as many
+    free = left;
+  }
 }
 
 void TakeStore::mark(std::int64_t take, bool is_marked) {

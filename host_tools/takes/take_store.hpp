@@ -101,6 +101,7 @@ class TakeStore {
   std::string keep_content(const std::string& bytes);
   void keep_parts(std::int64_t number, const Take& take);
   void forget_unused_content();
+  void give_room_back();
   void refuse_unknown(std::int64_t take);
 
   std::string file_;
