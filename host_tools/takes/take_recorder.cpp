@@ -16,6 +16,10 @@ constexpr std::chrono::milliseconds between_looks_for_ticks{5};
 /// Where a drive has no whole counts an axis is kept in so much finer ones than its positions are apart.
 constexpr double finer = 1.0 / 64;
 
+/// Of an old take that goes, about 30 ms for 16 axes: between two chunks the ring must not fill.
+constexpr std::int64_t chunks_at_once = 64;
+constexpr std::int64_t all_chunks = std::int64_t{1} << 40U;
+
 /// Nothing has gone wrong, and nobody has stopped it.
 bool is_orderly(SupervisorState state) {
   return state == SupervisorState::disarmed || state == SupervisorState::enabling ||
@@ -144,9 +148,12 @@ void TakeRecorder::write_chunk() {
 
 /// A take that is too large ends, rather than that it is larger than was allowed.
 void TakeRecorder::make_room() {
-  if (!keeping_.max_bytes || store_.used_bytes() <= *keeping_.max_bytes) return;
-  for (const std::int64_t gone : store_.prune(*keeping_.max_bytes, kept_.number))
-    kept_.forgotten.push_back(gone);
+  if (!keeping_.max_bytes) return;
+  TakeStore::Pruned pruned;
+  do {
+    pruned = store_.prune_some(*keeping_.max_bytes, chunks_at_once, kept_.number);
+    if (pruned.gone) kept_.forgotten.push_back(*pruned.gone);
+  } while (!pruned.is_done && store_.used_bytes() > *keeping_.max_bytes);
   if (store_.used_bytes() <= *keeping_.max_bytes) return;
   why_ = fmt::format("with it, and those that are marked, the takes are larger than --keep allows ({})",
                      size_in_words(*keeping_.max_bytes));
@@ -172,6 +179,11 @@ KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole, const st
     if (why_.empty()) write_chunk();
     // Also of a take that ended before: there may be room for its ending again.
     store_.finish(kept_.number, ending, is_whole, number_ - written_);
+    while (keeping_.max_bytes) {
+      const TakeStore::Pruned pruned = store_.prune_some(*keeping_.max_bytes, all_chunks, kept_.number);
+      if (pruned.gone) kept_.forgotten.push_back(*pruned.gone);
+      if (pruned.is_done) break;
+    }
   } catch (const TakeStoreError& error) {
     if (why_.empty()) why_ = error.message();
   }

@@ -34,7 +34,7 @@ CREATE TABLE take (
   number INTEGER PRIMARY KEY AUTOINCREMENT,
   move_name TEXT NOT NULL, rig_name TEXT NOT NULL,
   started_at TEXT NOT NULL, version TEXT NOT NULL, ending TEXT NOT NULL DEFAULT '',
-  is_simulated INTEGER NOT NULL, is_whole INTEGER NOT NULL DEFAULT 0, is_marked INTEGER NOT NULL DEFAULT 0,
+  is_simulated INTEGER NOT NULL, is_whole INTEGER NOT NULL DEFAULT 0, is_marked INTEGER NOT NULL DEFAULT 0, is_going INTEGER NOT NULL DEFAULT 0,
   rate_hz INTEGER NOT NULL, fps_numerator INTEGER NOT NULL, fps_denominator INTEGER NOT NULL,
   frames INTEGER NOT NULL, first_frame INTEGER NOT NULL, last_frame INTEGER NOT NULL,
   turns INTEGER NOT NULL, is_repeated INTEGER NOT NULL, is_shot INTEGER NOT NULL, top_rate REAL NOT NULL,
@@ -456,13 +456,13 @@ void read_info(Row& row, TakeInfo& info) {
 
 std::vector<TakeInfo> TakeStore::list() {
   std::vector<TakeInfo> all;
-  Statement rows(*this, fmt::format("SELECT {} FROM take ORDER BY number", info_columns));
+  Statement rows(*this, fmt::format("SELECT {} FROM take WHERE is_going = 0 ORDER BY number", info_columns));
   while (rows.next()) read_info(rows, all.emplace_back());
   return all;
 }
 
 void TakeStore::refuse_unknown(std::int64_t take) {
-  Statement there(*this, "SELECT 1 FROM take WHERE number = ?");
+  Statement there(*this, "SELECT 1 FROM take WHERE number = ? AND is_going = 0");
   if (!there.with(take).next())
     fail(fmt::format("there is no take {}", take), "inbetween takes list shows all");
 }
@@ -548,6 +548,10 @@ void TakeStore::forget_unused_content() {
 
 void TakeStore::forget(std::int64_t take) {
   refuse_unknown(take);
+  remove(take);
+}
+
+void TakeStore::remove(std::int64_t take) {
   {
     Transaction transaction(*this);
     Statement(*this, "DELETE FROM take WHERE number = ?").with(take).run();
@@ -582,16 +586,44 @@ std::int64_t TakeStore::used_bytes() {
 std::vector<std::int64_t> TakeStore::prune(std::int64_t max_bytes, std::optional<std::int64_t> but) {
   std::vector<std::int64_t> gone;
   while (used_bytes() > max_bytes) {
-    std::int64_t oldest = 0;
-    {
-      Statement first(*this, "SELECT min(number) FROM take WHERE is_marked = 0 AND number <> ?");
-      if (first.with(but.value_or(0)).next()) oldest = first.number();
-    }
-    if (oldest == 0) break;
-    forget(oldest);
-    gone.push_back(oldest);
+    const std::optional<std::int64_t> oldest = next_to_go(but.value_or(0));
+    if (!oldest) break;
+    remove(*oldest);
+    gone.push_back(*oldest);
   }
   return gone;
+}
+
+/// One that has begun to go comes first.
+std::optional<std::int64_t> TakeStore::next_to_go(std::int64_t but) {
+  Statement first(
+      *this, "SELECT number FROM take WHERE is_marked = 0 AND number <> ? ORDER BY is_going DESC, number");
+  return first.with(but).next() ? std::optional(first.number()) : std::nullopt;
+}
+
+TakeStore::Pruned TakeStore::prune_some(std::int64_t max_bytes, std::int64_t chunks, std::int64_t but) {
+  const bool is_begun = number_of("SELECT count(*) FROM take WHERE is_going = 1") > 0;
+  if (!is_begun && used_bytes() <= max_bytes) return {};
+  const std::optional<std::int64_t> take = next_to_go(but);
+  if (!take) return {};
+  std::int64_t left = 0;
+  {
+    Transaction transaction(*this);
+    Statement(*this, "UPDATE take SET is_going = 1 WHERE number = ?").with(*take).run();
+    Statement(*this, "DELETE FROM chunk WHERE rowid IN (SELECT rowid FROM chunk WHERE take = ? LIMIT ?)")
+        .with(*take)
+        .with(chunks)
+        .run();
+    Statement rest(*this, "SELECT count(*) FROM chunk WHERE take = ?");
+    if (rest.with(*take).next()) left = rest.number();
+    transaction.commit();
+  }
+  if (left > 0) {
+    give_room_back();
+    return {.is_done = false};
+  }
+  remove(*take);
+  return {.is_done = false, .gone = take};
 }
 
 // --- words

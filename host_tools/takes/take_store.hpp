@@ -82,6 +82,13 @@ class TakeStore {
   /// Forgets the oldest takes that are not marked, until what is kept takes no more than so many bytes, and
   /// gives the room back to the disk. Never `but`. Returns the numbers of those that went.
   std::vector<std::int64_t> prune(std::int64_t max_bytes, std::optional<std::int64_t> but = std::nullopt);
+  /// The same in portions of so many chunks, for a thread that has other things to do: forgets that much of
+  /// the oldest take. One that has begun to go is in no list any more, and goes on whatever max_bytes is.
+  struct Pruned {
+    bool is_done = true;                    ///< nothing is left to be forgotten
+    std::optional<std::int64_t> gone = {};  ///< the take that is wholly gone by this
+  };
+  Pruned prune_some(std::int64_t max_bytes, std::int64_t chunks, std::int64_t but);
   /// That the takes need; the file may have more.
   [[nodiscard]] std::int64_t used_bytes();
 
@@ -101,6 +108,8 @@ class TakeStore {
   std::string keep_content(const std::string& bytes);
   void keep_parts(std::int64_t number, const Take& take);
   void forget_unused_content();
+  [[nodiscard]] std::optional<std::int64_t> next_to_go(std::int64_t but);
+  void remove(std::int64_t take);
   void give_room_back();
   void refuse_unknown(std::int64_t take);
 

@@ -253,6 +253,34 @@ TEST(TakeStore, TheOldestAreForgottenAndNeverOneThatIsMarked) {
   EXPECT_LE(static_cast<std::int64_t>(std::filesystem::file_size(file)), size + 65'536) << "room goes back";
 }
 
+/// The thread that writes a take goes on with it between two portions: hours of an old take go in seconds.
+TEST(TakeStore, ALongTakeIsForgottenInPortionsAndIsInNoListMeanwhile) {
+  const TemporaryFolder folder;
+  TakeStore store(folder.path() / "takes.db", TakeStore::Access::write);
+  const auto add_take = [&](std::int64_t chunks) {
+    const std::int64_t number = store.begin({});
+    for (std::int64_t i = 0; i < chunks; ++i)
+      store.append(number, {.first = 250 * i, .ticks = 250, .bytes = std::string(20'000, 'x')}, {}, 0);
+    return number;
+  };
+  add_take(10);
+  add_take(3);
+  const std::int64_t now = add_take(1);
+  const std::int64_t before = store.used_bytes();
+  const std::int64_t allowed = before - 30'000;
+  const TakeStore::Pruned first = store.prune_some(allowed, 4, now);
+  EXPECT_FALSE(first.is_done);
+  EXPECT_FALSE(first.gone);
+  EXPECT_LT(store.used_bytes(), before - 70'000) << "four chunks have gone";
+  EXPECT_THAT(store.list(), SizeIs(2));
+  EXPECT_THROW(static_cast<void>(store.read_head(1)), TakeStoreError);
+  EXPECT_FALSE(store.prune_some(allowed, 4, now).gone) << "though all that is left is little enough";
+  EXPECT_EQ(store.prune_some(allowed, 4, now).gone, 1);
+  EXPECT_TRUE(store.prune_some(allowed, 4, now).is_done);
+  EXPECT_THAT(store.list(), SizeIs(2));
+  EXPECT_THAT(store.prune(0, now), ElementsAre(2));
+}
+
 TEST(TakeStore, ATakeThatIsTooLargeAloneEndsThere) {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "takes.db";
