@@ -13,9 +13,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/can/can_link.hpp"
@@ -267,6 +270,35 @@ TEST(Doctor, EveryMistakeOfABusIsNamedWithItsRemedy) {
               HasSubstr("note bus can0: holds 1000"));
 }
 
+TEST(Doctor, WhatABusHasIsFineUpToEachBound) {
+  const auto trouble = [](auto change) {
+    can::CanLink link = right;
+    change(link);
+    return trouble_in(check_bus("can0", link, needs));
+  };
+  for (const std::uint32_t permille : {700U, 900U}) {
+    EXPECT_EQ(trouble([&](can::CanLink& link) { link.sample_point_permille = permille; }), "") << permille;
+  }
+  for (const std::uint32_t permille : {699U, 901U}) {
+    EXPECT_THAT(trouble([&](can::CanLink& link) { link.sample_point_permille = permille; }),
+                HasSubstr("where CANopen recommends 87.5 %"))
+        << permille;
+  }
+  for (const std::uint32_t frames : {7U, 128U}) {
+    EXPECT_EQ(trouble([&](can::CanLink& link) { link.queue_frames = frames; }), "") << frames;
+  }
+  EXPECT_THAT(trouble([](can::CanLink& link) { link.queue_frames = 129; }),
+              HasSubstr("note bus can0: holds 129 frames to be sent: after a fault of the cable"));
+}
+
+TEST(Doctor, AnInterfaceThatIsDownIsOneMistakeAndItsControllerIsNoOther) {
+  can::CanLink link = right;
+  link.is_up = false;
+  link.controller = can::ControllerState::bus_off;
+  EXPECT_EQ(trouble_in(check_bus("can0", link, std::nullopt)),
+            "problem bus can0: is down; as root: ip link set can0 up\n");
+}
+
 TEST(Doctor, ABusOfCanFdIsAsTheRigSays) {
   constexpr BusNeeds fd{.bitrate = 1'000'000, .data_bitrate = 5'000'000, .frames_per_tick = 7};
   can::CanLink link = right;
@@ -332,6 +364,77 @@ TEST(Doctor, EveryMistakeOfADriveIsNamedWithItsRemedyAndTheOthersAreLookedAt) {
 TEST(Doctor, TwoDevicesWithOneNodeAreFound) {
   EXPECT_THAT(trouble_in(visit(fault("what = \"flood\"\nat = 0\nframes_per_s = 200"))),
               HasSubstr("problem axis \"tilt\": two devices answer as node 2; give each device"));
+}
+
+/// A simulated rig that keeps what is sent on its buses.
+class OverheardHardware : public RigHardware {
+ public:
+  explicit OverheardHardware(const RigFile& rig) : simulated_(rig, {0, 0}) {}
+  [[nodiscard]] const std::vector<can::Frame>& sent() const { return sent_; }
+
+  void advance(std::int64_t now_ns) override { simulated_.advance(now_ns); }
+  std::unique_ptr<ChipOutputs> open_steps(const std::string& chip, std::span<const std::size_t> axes,
+                                          std::span<const StepLines> wires) override {
+    return simulated_.open_steps(chip, axes, wires);
+  }
+  std::unique_ptr<ChipOutputs> open_pulses(const std::string& chip,
+                                           std::span<const PulseLine> lines) override {
+    return simulated_.open_pulses(chip, lines);
+  }
+  std::string chip_of(const LineAddress& line) override { return simulated_.chip_of(line); }
+  std::vector<OpenedInputs> open_inputs(std::span<const InputLine* const> lines) override {
+    return simulated_.open_inputs(lines);
+  }
+  std::unique_ptr<AxisDrives> open_others(std::span<const std::size_t> axes) override {
+    return simulated_.open_others(axes);
+  }
+
+ private:
+  struct Link : BusLink<can::Frame> {
+    Link(std::unique_ptr<BusLink<can::Frame>> to_simulation, std::vector<can::Frame>& of_rig)
+        : link(std::move(to_simulation)), sent(of_rig) {}
+    [[nodiscard]] bool is_up() const override { return link->is_up(); }
+    std::size_t receive(std::span<can::Frame> in, std::int64_t now_ns) override {
+      return link->receive(in, now_ns);
+    }
+    std::size_t send(std::span<const can::Frame> out) override {
+      sent.insert(sent.end(), out.begin(), out.end());
+      return link->send(out);
+    }
+    std::size_t drain() override { return link->drain(); }
+
+    std::unique_ptr<BusLink<can::Frame>> link;
+    std::vector<can::Frame>& sent;
+  };
+
+  std::unique_ptr<BusLink<can::Frame>> open_classic_bus(const std::string& bus,
+                                                        std::span<const std::size_t> axes) override {
+    return std::make_unique<Link>(simulated_.open_bus<can::Frame>(bus, axes), sent_);
+  }
+  std::unique_ptr<BusLink<can::FdFrame>> open_fd_bus(const std::string& bus,
+                                                     std::span<const std::size_t> axes) override {
+    return simulated_.open_bus<can::FdFrame>(bus, axes);
+  }
+
+  SimulatedHardware simulated_;
+  std::vector<can::Frame> sent_;
+};
+
+TEST(Doctor, DrivesThatWereVisitedAreSwitchedOffAndDoNotWaitForAHostThatHasLeft) {
+  const RigFile rig = parse_rig(two_axes, "rig.toml");
+  OverheardHardware hardware(rig);
+  std::int64_t now_ns = 10'000'000'000;
+  ASSERT_EQ(trouble_in(check_drives(rig, hardware, [&] { return now_ns += 4'000'000; })), "");
+  for (const unsigned node : {1U, 2U}) {
+    // CiA 301: object 1016h:1 is the time after which the drive misses the heartbeat of its host.
+    std::vector<std::uint32_t> watchdogs;
+    for (const can::Frame& frame : hardware.sent()) {
+      const bool is_watchdog = frame.id.number() == 0x600U + node && frame.data[0] == 0x23 &&
+                               frame.data[1] == 0x16 && frame.data[2] == 0x10 && frame.data[3] == 1;
+      if (is_watchdog) watchdogs.push_back(frame.data[4] + 256U * frame.data[5]);
+    }
+    EXPECT_THAT(watchdogs, ElementsAre(testing::Gt(0U), 0U)) << "node " << node;
+  }
 }
 
 // --- the command

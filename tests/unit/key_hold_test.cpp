@@ -19,7 +19,7 @@ TEST(KeyHold, APressCountsOnceNoOtherHasFollowedIt) {
 }
 
 TEST(KeyHold, TwoRepeatsAtTheRateOfAKeyboardAreAHoldUntilSilence) {
-  for (const int period : {17, 33, 92, 120}) {
+  for (const int period : {10, 17, 33, 92, 120}) {
     KeyHold keys;
     keys.press(-1, 0);
     EXPECT_EQ(keys.take_press(200 * ms), -1);
@@ -57,6 +57,18 @@ TEST(KeyHold, ALineThatGathersAFewKeysIsNoHindranceAndOneThatGathersManyIs) {
   EXPECT_EQ(many.take_press(2500 * ms), 0);
   many.press(1, 2500 * ms);
   EXPECT_EQ(many.take_press(2650 * ms), 1) << "after silence";
+}
+
+TEST(KeyHold, FourKeysMayComeAtOnceAndAnotherEveryTenMilliseconds) {
+  // The machine has been on for an hour, which allows no more of them.
+  const std::int64_t first = 3'600'000 * ms;
+  KeyHold keys;
+  for (int key = 0; key < 4; ++key) keys.press(1, first);
+  EXPECT_FALSE(keys.is_refused());
+  keys.press(1, first + 10 * ms);
+  EXPECT_FALSE(keys.is_refused());
+  keys.press(1, first + 10 * ms);
+  EXPECT_TRUE(keys.is_refused());
 }
 
 TEST(KeyHold, WithReleasesAPressCountsAtOnceAndAReleaseEndsIt) {
