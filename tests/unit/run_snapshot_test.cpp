@@ -25,6 +25,10 @@ TEST(StatusLine, TellsStateFrameAndRateAndWhatToPress) {
             "space pauses, r turns");
   now.frame = -3;
   EXPECT_EQ(phase_of(now), "pre-roll");
+  for (const double end : {0.0, 48.0}) {
+    now.frame = end;
+    EXPECT_EQ(phase_of(now), "playing") << "the ends belong to the move";
+  }
   now.frame = 48.5;
   EXPECT_EQ(phase_of(now), "post-roll");
   now.is_resting = true;

@@ -169,6 +169,24 @@ void expect_bounds(const MovedArm& arm) {
   EXPECT_LE(found_aim, deviation({}, sight).aim + rounding);
 }
 
+TEST(TipDeviation, APathBesideTheTipIsAtLeastAsFarOffAsItIsDrawn) {
+  std::mt19937_64 random(1903);
+  for (int i = 0; i < 20; ++i) {
+    const MovedArm arm = random_arm(random, 0.3, 0.2, 0.1);
+    const Kinematics kinematics = kinematics_of(arm.joints);
+    const OracleTree oracle(arm.joints);
+    const auto position = [&](double t) -> Numbers {
+      return oracle.pose(arm.last(), arm.positions(t)).position;
+    };
+    const std::vector<Cubic> beside = drawn_through([&](double t) -> Numbers {
+      const Numbers place = position(t);
+      return {place[0] + 0.25, place[1], place[2]};
+    });
+    const TipDeviation bound = tip_deviation(kinematics, arm.last() + 1, {arm.axes, all_three, beside, {}});
+    EXPECT_LE(worst([&](double t) { return size(difference(position(t), at(beside, t))); }), bound.off) << i;
+  }
+}
+
 TEST(TipDeviation, ItsBoundsHoldBetweenThePlacesWhereNothingIsOff) {
   std::mt19937_64 random(11);
   for (int i = 0; i < 300; ++i) {

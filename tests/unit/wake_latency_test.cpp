@@ -35,6 +35,9 @@ TEST(WakeLatency, CountsFromZeroToTheLongestTimeThereIs) {
   counter.add(std::numeric_limits<std::int64_t>::max(), 2);
   EXPECT_EQ(counter.summary().p50_us, 0);
   EXPECT_DOUBLE_EQ(counter.summary().max_us, 9.223372036854775807e15);
+  const std::vector<WakeLatency::Bucket> octaves = counter.summary().histogram;
+  EXPECT_EQ(octaves.front().ticks, 2);
+  EXPECT_EQ(octaves.back().ticks, 1) << "below " << octaves.back().below_us << " us";
 }
 
 /// Against sorting all of them.
