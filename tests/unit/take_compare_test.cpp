@@ -289,6 +289,13 @@ TEST(TakeErrorsOutput, JsonHasWhatTheFunctionsGive) {
   EXPECT_TRUE(trends["takes"][1]["axes"][1]["reversal_error"].is_null());
 }
 
+TEST(TakeErrorsOutput, WhatNeverMovedHasNoError) {
+  const Plan plan = plan_of(one_way, rig);
+  const TakeErrors errors = errors_of(samples_of(plan, {}), measures_of(plan));
+  EXPECT_THAT(printed([&](std::FILE* out) { print_errors(errors, {}, out); }),
+              HasSubstr("             -         -  deg\n"));
+}
+
 TEST(TakeErrorsOutput, TextSaysItInLines) {
   const Plan plan = plan_of(there_and_back, rig);
   const TakeSamples first = samples_of(plan, {});

@@ -228,6 +228,18 @@ TEST(TakeStore, KilledAtAnyMomentItHasWhatWasToldToBeKept) {
   EXPECT_EQ(run_kept(plan, {.file = file}).kept->lost, 0) << "and the next run keeps its own";
 }
 
+TEST(TakeStore, AnAxisInNoTrackComesBackAsOne) {
+  const TemporaryFolder folder;
+  TakeStore store(folder.path() / "takes.db", TakeStore::Access::write);
+  Take take;
+  take.axes = {{.name = "focus", .unit = "mm", .resolution = 0.1},
+               {.name = "pan", .unit = "deg", .resolution = 0.01, .move_axis = 0}};
+  const Take kept = store.read_head(store.begin(take));
+  ASSERT_THAT(kept.axes, SizeIs(2));
+  EXPECT_EQ(kept.axes[0].move_axis, std::nullopt);
+  EXPECT_EQ(kept.axes[1].move_axis, 0U);
+}
+
 TEST(TakeStore, TheOldestAreForgottenAndNeverOneThatIsMarked) {
   const Plan plan = plan_of_reveal();
   const TemporaryFolder folder;
