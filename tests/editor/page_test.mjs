@@ -186,7 +186,10 @@ withReveal("a key is locked a frame later by the arrow, held, eased; the path is
 });
 
 withReveal("Shift or Ctrl with a click adds to what is selected", async (editor, page) => {
-  const chosen = (what) => page.locator(`${what}.selected`).count();
+  const chosen = async (what) => {
+    await editor.settled(); // the page draws what is selected in its next frame
+    return page.locator(`${what}.selected`).count();
+  };
   await pick(page, key(page, 1));
   await key(page, 3).click({ modifiers: ["Shift"] });
   assert.equal(await chosen("#plan .key"), 2);
