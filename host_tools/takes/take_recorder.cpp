@@ -18,7 +18,6 @@ constexpr double finer = 1.0 / 64;
 
 /// Of an old take that goes, about 30 ms for 16 axes: between two chunks the ring must not fill.
 constexpr std::int64_t chunks_at_once = 64;
-constexpr std::int64_t all_chunks = std::int64_t{1} << 40U;
 
 /// Nothing has gone wrong, and nobody has stopped it.
 bool is_orderly(SupervisorState state) {
@@ -179,10 +178,9 @@ KeptTake TakeRecorder::finish(const std::string& ending, bool is_whole, const st
     if (why_.empty()) write_chunk();
     // Also of a take that ended before: there may be room for its ending again.
     store_.finish(kept_.number, ending, is_whole, number_ - written_);
-    while (keeping_.max_bytes) {
-      const TakeStore::Pruned pruned = store_.prune_some(*keeping_.max_bytes, all_chunks, kept_.number);
-      if (pruned.gone) kept_.forgotten.push_back(*pruned.gone);
-      if (pruned.is_done) break;
+    if (keeping_.max_bytes) {
+      for (const std::int64_t gone : store_.prune(*keeping_.max_bytes, kept_.number))
+        kept_.forgotten.push_back(gone);
     }
   } catch (const TakeStoreError& error) {
     if (why_.empty()) why_ = error.message();

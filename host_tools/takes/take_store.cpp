@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -27,6 +28,7 @@ constexpr std::int64_t application_id = 0x69627477;
 constexpr std::int64_t newest_version = 1;
 /// Somebody else writes for milliseconds, unless their disk is slow.
 constexpr int patience_ms = 5000;
+constexpr std::int64_t all_chunks = std::numeric_limits<std::int64_t>::max();
 
 constexpr const char* tables = R"(
 CREATE TABLE content (hash TEXT PRIMARY KEY, bytes BLOB NOT NULL) WITHOUT ROWID;
@@ -34,7 +36,8 @@ CREATE TABLE take (
   number INTEGER PRIMARY KEY AUTOINCREMENT,
   move_name TEXT NOT NULL, rig_name TEXT NOT NULL,
   started_at TEXT NOT NULL, version TEXT NOT NULL, ending TEXT NOT NULL DEFAULT '',
-  is_simulated INTEGER NOT NULL, is_whole INTEGER NOT NULL DEFAULT 0, is_marked INTEGER NOT NULL DEFAULT 0, is_going INTEGER NOT NULL DEFAULT 0,
+  is_simulated INTEGER NOT NULL, is_whole INTEGER NOT NULL DEFAULT 0, is_marked INTEGER NOT NULL DEFAULT 0,
+  is_going INTEGER NOT NULL DEFAULT 0,
   rate_hz INTEGER NOT NULL, fps_numerator INTEGER NOT NULL, fps_denominator INTEGER NOT NULL,
   frames INTEGER NOT NULL, first_frame INTEGER NOT NULL, last_frame INTEGER NOT NULL,
   turns INTEGER NOT NULL, is_repeated INTEGER NOT NULL, is_shot INTEGER NOT NULL, top_rate REAL NOT NULL,
@@ -585,13 +588,11 @@ std::int64_t TakeStore::used_bytes() {
 
 std::vector<std::int64_t> TakeStore::prune(std::int64_t max_bytes, std::optional<std::int64_t> but) {
   std::vector<std::int64_t> gone;
-  while (used_bytes() > max_bytes) {
-    const std::optional<std::int64_t> oldest = next_to_go(but.value_or(0));
-    if (!oldest) break;
-    remove(*oldest);
-    gone.push_back(*oldest);
+  for (;;) {
+    const Pruned pruned = prune_some(max_bytes, all_chunks, but.value_or(0));
+    if (pruned.gone) gone.push_back(*pruned.gone);
+    if (pruned.is_done) return gone;
   }
-  return gone;
 }
 
 /// One that has begun to go comes first.
