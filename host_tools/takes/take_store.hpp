@@ -3,30 +3,18 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "host_tools/takes/take.hpp"
+#include "host_tools/takes/take_database.hpp"
 
 namespace inbetween {
 
 /// Its name in a project folder, which is that of the move file.
 inline constexpr const char* take_file_name = "inbetween-takes.db";
-
-/// Thrown where takes cannot be read or written. what() is "FILE: error: what; remedy".
-class TakeStoreError : public std::runtime_error {
- public:
-  TakeStoreError(const std::string& file, std::string message);
-  /// The same without the file.
-  [[nodiscard]] const std::string& message() const { return message_; }
-
- private:
-  std::string message_;
-};
 
 /// A chunk of the ticks of a take (tick_codec.hpp).
 struct TakeChunk {
@@ -52,11 +40,8 @@ class TakeStore {
 
   /// Throws TakeStoreError where the file cannot be opened, is another program's or of a newer version.
   TakeStore(const std::string& file, Access access);
-  ~TakeStore();
-  TakeStore(const TakeStore&) = delete;
-  TakeStore& operator=(const TakeStore&) = delete;
 
-  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] const std::string& file() const { return database_.file(); }
 
   // All throw TakeStoreError.
 
@@ -93,18 +78,10 @@ class TakeStore {
   [[nodiscard]] std::int64_t used_bytes();
 
  private:
-  class Database;
-  class Statement;
-  class Transaction;
   void open(Access access);
-  void open_database(const std::string& address, int how);
   [[nodiscard]] bool lacks_its_index();
   void open_write_protected();
   void make_tables();
-  void execute(const char* sql);
-  [[nodiscard]] std::int64_t number_of(const char* sql);
-  [[noreturn]] void fail();
-  [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
   std::string keep_content(const std::string& bytes);
   void keep_parts(std::int64_t number, const Take& take);
   void forget_unused_content();
@@ -113,8 +90,7 @@ class TakeStore {
   void give_room_back();
   void refuse_unknown(std::int64_t take);
 
-  std::string file_;
-  std::unique_ptr<Database> database_;
+  TakeDatabase database_;
 };
 
 /// A hash of bytes: their number and FNV-1a, "1234-0123456789abcdef".
