@@ -321,8 +321,9 @@ TakeStore opened(const TakesArguments& arguments, TakeStore::Access access) {
 }
 
 void add_takes_command(CLI::App& program, Command& chosen) {
-  add_command(program, chosen, {"takes", "List, show, compare, draw, export and delete the runs that were kept"},
-              describe, takes_command);
+  add_command(program, chosen,
+              {"takes", "List, show, compare, draw, export and delete the runs that were kept"}, describe,
+              takes_command);
 }
 
 }  // namespace inbetween
