@@ -180,8 +180,8 @@ std::vector<Cubic> Network::row(const Curve& drawn_there, const Keys& keys_there
   return row;
 }
 
-NetworkPath Network::path() const {
-  NetworkPath path;
+CubicsOverFrames Network::path() const {
+  CubicsOverFrames path;
   path.cubics.reserve(segments() * axes_);
   path.knots.reserve(segments());
   std::vector<std::size_t> segment_of(drawn_.size());  // of each curve
@@ -209,7 +209,7 @@ NetworkPath Network::path() const {
 
 /// What is added up may cancel, and then its rounding is large beside what is left: the core would not
 /// believe that two such cubics join.
-void Network::join(NetworkPath& path) const {
+void Network::join(CubicsOverFrames& path) const {
   for (std::size_t i = 0; i + axes_ < path.cubics.size(); ++i) {
     path.cubics[i].c3 += path.cubics[i + axes_].c0 - path.cubics[i].value(1);
   }
@@ -217,7 +217,7 @@ void Network::join(NetworkPath& path) const {
 
 /// What rests is at E - p (1 - t)^3 on its last segment. Rounding has left something of a velocity, which
 /// would ask for a post-roll.
-void Network::rest_at_end(NetworkPath& path) const {
+void Network::rest_at_end(CubicsOverFrames& path) const {
   const std::vector<Cubic> ends = row([&](std::size_t i) { return Cubic{drawn_[i].end(0)}; },
                                       [&](std::size_t axis) { return Cubic{through_keys_.end(axis)}; });
   for (std::size_t axis = 0; axis < axes_; ++axis) {

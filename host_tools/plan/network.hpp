@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host_tools/move_model/move_file.hpp"
+#include "host_tools/plan/row_spline.hpp"
 #include "host_tools/plan/solved_track.hpp"
 #include "inbetween/path/path.hpp"
 
@@ -56,12 +57,6 @@ class FrameSpline {
   std::size_t axes_;
   std::vector<Cubic> cubics_;  ///< segment after segment, and the continuation behind the last one
   std::vector<std::int64_t> knots_;
-};
-
-/// A network as Path::make_of_cubics takes it, with `over_frames`.
-struct NetworkPath {
-  std::vector<Cubic> cubics;  ///< segment after segment, in each the axes of the row
-  std::vector<FrameKnot> knots;
 };
 
 /// Segments of a network: as many as a track with the most keys can have, which are four a key beside rests.
@@ -113,7 +108,7 @@ class Network {
   [[nodiscard]] std::size_t segments() const { return knots_.size() - 1; }
   /// The formula but for rounding: 2e-14 of the range of all numbers at most, in 2000 random networks
   /// (NetworkProperty). O(segments * (axes + curves)).
-  [[nodiscard]] NetworkPath path() const;
+  [[nodiscard]] CubicsOverFrames path() const;
 
  private:
   /// So much of what a curve adds to its own axis.
@@ -128,8 +123,8 @@ class Network {
   void add_shares_at(std::size_t axis, double place, double weight, std::vector<Share>& shares) const;
   template <class Curve, class Keys>
   [[nodiscard]] std::vector<Cubic> row(const Curve& drawn_there, const Keys& keys_there) const;
-  void rest_at_end(NetworkPath& path) const;
-  void join(NetworkPath& path) const;
+  void rest_at_end(CubicsOverFrames& path) const;
+  void join(CubicsOverFrames& path) const;
   [[nodiscard]] FrameKnot frame_knot(std::size_t key, std::int64_t begin, std::int64_t end) const;
 
   NetworkSpec spec_;

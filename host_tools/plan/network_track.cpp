@@ -54,7 +54,7 @@ void settle_left_out(MoveTrack& track) {
   }
 }
 
-NetworkPath network_of(const MoveTrack& track, const TrackSpec& spec) {
+CubicsOverFrames network_of(const MoveTrack& track, const TrackSpec& spec) {
   const MoveNetwork& network = *track.network;
   std::vector<NetworkCurve> curves;
   for (const DrawnAxis& drawn : network.drawn) curves.push_back({drawn.axis, drawn.frames, drawn.at});

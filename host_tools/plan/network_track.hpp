@@ -18,7 +18,7 @@ void settle_left_out(MoveTrack& track);
 /// The path of a network, with the keys, frames and rests of `spec`. Throws SolverError for the keys;
 /// InputError at a key that is not on the drawn curve of its axis, at the point of a curve that cannot be,
 /// and at the network where it has more than max_network_segments segments.
-NetworkPath network_of(const MoveTrack& track, const TrackSpec& spec);
+CubicsOverFrames network_of(const MoveTrack& track, const TrackSpec& spec);
 
 /// The axes of a track whose row is of points in space, with the keys, frames and rests of `spec`: x, y and z
 /// of them are three networks (network.hpp), and of every point the axes that move it are solved over time.

@@ -292,7 +292,7 @@ SolvedTrack solve_track(const MoveTrack& track, const MoveFile& move, const std:
       numbers.spec.cubics = path_of_cubics(track, *followed);
       refuse_open_loop(track, *followed);
     }
-    NetworkPath network;
+    CubicsOverFrames network;
     if (track.network) {
       network = network_of(track, numbers.spec);
       numbers.weights.resize(track.axes.size(), 1);  // all 1 where none are given

@@ -74,7 +74,7 @@ std::vector<RowPoint> points_of(const MoveTrack& row, const Kinematics& kinemati
 }
 
 /// x, y and z of one point over time, as the network has them.
-SolvedTrack drawn_point(const NetworkPath& network, std::size_t point, const TrackSpec& spec) {
+SolvedTrack drawn_point(const CubicsOverFrames& network, std::size_t point, const TrackSpec& spec) {
   const std::size_t row = network.cubics.size() / network.knots.size();
   std::vector<Cubic> cubics;
   for (std::size_t i = world_coordinates * point; i < network.cubics.size(); i += row) {
@@ -118,7 +118,7 @@ TrackedPath together(const std::vector<TrackedPath>& found, const std::vector<Ro
 TrackedPath axes_of_points(const MoveTrack& track, const TrackSpec& spec, const Kinematics& kinematics,
                            const RigFile& rig) {
   const std::vector<RowPoint> points = points_of(track, kinematics, rig);
-  const NetworkPath network = network_of(track, spec);
+  const CubicsOverFrames network = network_of(track, spec);
   std::vector<SolvedTrack> drawn;
   for (std::size_t p = 0; p < points.size(); ++p) drawn.push_back(drawn_point(network, p, spec));
   std::vector<TrackedPath> found(points.size());

@@ -9,6 +9,9 @@ namespace {
 struct Tridiagonal {
   std::vector<double> before, diagonal, behind;
 
+  explicit Tridiagonal(std::size_t rows) {
+    for (std::vector<double>* side : {&before, &diagonal, &behind}) side->reserve(rows);
+  }
   void add(double b, double d, double a) {
     before.push_back(b);
     diagonal.push_back(d);
@@ -32,27 +35,69 @@ struct Tridiagonal {
 
 std::vector<double> chords_of(const SplineRun& run) {
   std::vector<double> chords;
+  chords.reserve(run.steps.size());
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
     chords.push_back((run.values[k + 1] - run.values[k]) / run.steps[k]);
   }
   return chords;
 }
 
+/// A run with ends, and with the knot of each rest. Where that is, nothing says the value: beside a rest at x
+/// an axis whose second derivative rises from 0 to M within a step h is at x + M h^2 / 6, and its derivative
+/// at the rest is 0 for every M. So `values` has x there, and `per_moment` h^2 / 6.
+struct OpenRun {
+  SplineRun run;
+  std::vector<double> per_moment;  ///< of each value; 0 where that is known
+
+  explicit OpenRun(const SplineRun& of) : run(of) {
+    const double first = run.steps.front();
+    const double last = run.steps.back();
+    if (run.first_end == SplineEnd::rest) {
+      run.steps.front() -= first / 4;
+      run.steps.insert(run.steps.begin(), first / 4);
+      run.values.insert(run.values.begin(), run.values.front());
+    }
+    if (run.last_end == SplineEnd::rest) {
+      run.steps.back() -= last / 4;
+      run.steps.push_back(last / 4);
+      run.values.push_back(run.values.back());
+    }
+    per_moment.assign(run.values.size(), 0);
+    if (run.first_end == SplineEnd::rest) per_moment[1] = run.steps.front() * run.steps.front() / 6;
+    if (run.last_end == SplineEnd::rest)
+      per_moment[per_moment.size() - 2] = run.steps.back() * run.steps.back() / 6;
+  }
+};
+
 /// Second derivatives at all places.
-std::vector<double> clamped_moments(const SplineRun& run) {
+std::vector<double> open_moments(const OpenRun& open) {
+  const SplineRun& run = open.run;
   const std::vector<double>& h = run.steps;
+  const std::vector<double>& g = open.per_moment;
   const std::vector<double> chords = chords_of(run);
   const std::size_t last = h.size();
-  Tridiagonal system;
+  Tridiagonal system(last + 1);
   std::vector<double> right;
-  system.add(0, 2 * h.front(), h.front());
-  right.push_back(6 * (chords.front() - run.first_slope));
+  right.reserve(last + 1);
+  if (run.first_end == SplineEnd::slope) {
+    system.add(0, 2 * h.front(), h.front() - 6 * g[1] / h.front());
+    right.push_back(6 * (chords.front() - run.first_slope));
+  } else {
+    system.add(0, 1, 0);
+    right.push_back(0);
+  }
   for (std::size_t k = 1; k < last; ++k) {
-    system.add(h[k - 1], 2 * (h[k - 1] + h[k]), h[k]);
+    system.add(h[k - 1] - 6 * g[k - 1] / h[k - 1],
+               2 * (h[k - 1] + h[k]) + 6 * (g[k] / h[k - 1] + g[k] / h[k]), h[k] - 6 * g[k + 1] / h[k]);
     right.push_back(6 * (chords[k] - chords[k - 1]));
   }
-  system.add(h.back(), 2 * h.back(), 0);
-  right.push_back(6 * (run.last_slope - chords.back()));
+  if (run.last_end == SplineEnd::slope) {
+    system.add(h.back() - 6 * g[last - 1] / h.back(), 2 * h.back(), 0);
+    right.push_back(6 * (run.last_slope - chords.back()));
+  } else {
+    system.add(0, 1, 0);
+    right.push_back(0);
+  }
   return system.solve(std::move(right));
 }
 
@@ -63,7 +108,7 @@ std::vector<double> periodic_moments(const SplineRun& run) {
   const std::vector<double> chords = chords_of(run);
   const std::size_t last = h.size();
   if (last < 2) return std::vector<double>(last + 1);
-  Tridiagonal system;
+  Tridiagonal system(last);
   std::vector<double> right;
   std::vector<double> of_seam;
   for (std::size_t k = 1; k < last; ++k) {
@@ -85,16 +130,33 @@ std::vector<double> periodic_moments(const SplineRun& run) {
   return moments;
 }
 
-}  // namespace
-
-std::vector<Cubic> spline_through(const SplineRun& run) {
-  const std::vector<double> moments = run.periodic ? periodic_moments(run) : clamped_moments(run);
+std::vector<Cubic> cubics_of(const SplineRun& run, const std::vector<double>& moments) {
   std::vector<Cubic> cubics;
+  cubics.reserve(run.steps.size());
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
     const double square = run.steps[k] * run.steps[k];
     const double difference = run.values[k + 1] - run.values[k];
     cubics.push_back({run.values[k], difference - square * (2 * moments[k] + moments[k + 1]) / 6,
                       square * moments[k] / 2, square * (moments[k + 1] - moments[k]) / 6});
+  }
+  return cubics;
+}
+
+}  // namespace
+
+std::vector<Cubic> spline_through(const SplineRun& run) {
+  if (run.periodic) return cubics_of(run, periodic_moments(run));
+  OpenRun open(run);
+  const std::vector<double> moments = open_moments(open);
+  std::vector<double>& values = open.run.values;
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] += open.per_moment[k] * moments[k];
+  std::vector<Cubic> cubics = cubics_of(open.run, moments);
+  // Beside a rest nothing is left of the derivatives, not even a rounding, which would ask for a roll.
+  if (run.first_end == SplineEnd::rest) cubics.front() = {values[0], 0, 0, open.per_moment[1] * moments[1]};
+  if (run.last_end == SplineEnd::rest) {
+    const std::size_t knot = values.size() - 2;
+    const double p = -open.per_moment[knot] * moments[knot];
+    cubics.back() = {values.back() - p, 3 * p, -3 * p, p};
   }
   return cubics;
 }

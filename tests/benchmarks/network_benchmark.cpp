@@ -50,7 +50,7 @@ struct Subject {
   std::vector<NetworkCurve> spec_curves;
 };
 
-NetworkPath solved(const Subject& subject) {
+CubicsOverFrames solved(const Subject& subject) {
   const Network network(subject.spec());
   benchmark::DoNotOptimize(network.gap());
   return network.path();
@@ -71,7 +71,7 @@ void solve_track(benchmark::State& state) {
   const Subject subject(static_cast<std::int32_t>(state.range(0)));
   const std::vector<double> weights(axes, 1);
   for (auto _ : state) {
-    const NetworkPath path = solved(subject);
+    const CubicsOverFrames path = solved(subject);
     const SolvedTrack track({.path = {},
                              .cubics = CubicPathSpec{.axis_count = static_cast<std::int32_t>(axes),
                                                      .key_count = keys,

@@ -116,7 +116,7 @@ class PlayedNetwork {
   }
 
   [[nodiscard]] const Network& network() const { return network_; }
-  [[nodiscard]] const NetworkPath& path() const { return path_; }
+  [[nodiscard]] const CubicsOverFrames& path() const { return path_; }
   [[nodiscard]] std::vector<double> at(std::int32_t frame, double fraction = 0) const {
     std::vector<double> positions(static_cast<std::size_t>(track_->track().path().axis_count()));
     track_->track().positions({frame, fraction}, positions);
@@ -148,7 +148,7 @@ class PlayedNetwork {
   std::vector<double> keys_;
   std::vector<NetworkCurve> curves_;
   Network network_;
-  NetworkPath path_;
+  CubicsOverFrames path_;
   std::optional<SolvedTrack> track_;
 };
 
