@@ -26,7 +26,7 @@ Trajectory fitted(auto& room, std::size_t axes, const auto& fit) {
 
 }  // namespace
 
-void TrajectoryRoom::reserve(std::size_t joints, std::size_t axes, std::size_t pieces) {
+void TrajectoryRoom::reserve(std::size_t joints, std::size_t axes, std::size_t pieces, bool is_cubic) {
   if (joints <= joints_ && axes <= axes_ && pieces <= pieces_) return;
   joints_ = std::max(joints_, joints);
   axes_ = std::max(axes_, axes);
@@ -35,7 +35,7 @@ void TrajectoryRoom::reserve(std::size_t joints, std::size_t axes, std::size_t p
   values_ = std::make_unique_for_overwrite<double[]>(value_count());
   buckets_ = std::make_unique_for_overwrite<std::uint32_t[]>(pieces_);
   breaks_.resize(joints_);
-  unbounded_.resize(3 * joints_ * axes_);  // either side, and between two joints
+  if (!is_cubic) unbounded_.resize(3 * joints_ * axes_);  // either side, and between two joints
   samples_.resize(3 * axes_);
   numbers_.resize(fit_numbers * axes_);
 }
@@ -52,7 +52,8 @@ TrajectoryMemory TrajectoryRoom::memory() {
 
 Trajectory TrajectoryFitter::fit(const TrackSampler& sampler, const FitTolerances& tolerances) {
   const std::size_t joints = sampler.joints().size();
-  room_.reserve(joints, sampler.axis_count(), usual_pieces * joints);
+  const bool is_cubic = sampler.is_cubic();
+  room_.reserve(joints, sampler.axis_count(), is_cubic ? joints : usual_pieces * joints, is_cubic);
   return fitted(room_, sampler.axis_count(),
                 [&] { return fit_trajectory(sampler, tolerances, room_.memory()); });
 }

@@ -16,8 +16,9 @@ namespace inbetween {
 /// Room for one trajectory at a time. Most of it is not touched, so it is not set to 0.
 class TrajectoryRoom {
  public:
-  /// It grows to at least this: for so many joints and axes, and so many pieces.
-  void reserve(std::size_t joints, std::size_t axes, std::size_t pieces);
+  /// It grows to at least this: for so many joints and axes, and so many pieces. Of cubics in time, which are
+  /// no more than the stretches between joints, no side is unbounded.
+  void reserve(std::size_t joints, std::size_t axes, std::size_t pieces, bool is_cubic = false);
   /// Twice as many pieces.
   void grow() { reserve(joints_, axes_, 2 * pieces_); }
   [[nodiscard]] TrajectoryMemory memory();
