@@ -220,9 +220,12 @@ class FrameSearch {
 }  // namespace
 
 std::optional<std::string> why_frames_are_fixed(const MoveFile& move) {
-  const auto is_network = [](const MoveTrack& track) { return track.network.has_value(); };
-  if (std::ranges::none_of(move.tracks, is_network)) return std::nullopt;
-  return "the curves of a network are drawn on the frames of the move; draw them on others to try those";
+  for (const MoveTrack& track : move.tracks) {
+    if (track.network)
+      return "the curves of a network are drawn on the frames of the move; draw them on others to try those";
+    if (track.table) return "the rows of a table are on the frames of the move; bake others to try those";
+  }
+  return std::nullopt;
 }
 
 MoveFile with_frames(const MoveFile& move, std::int32_t frames) {

@@ -74,7 +74,7 @@ class AxisRefusals {
   }
   /// Where its keys are inside, it is the curve between them that goes beyond.
   [[nodiscard]] std::string remedy_of_position() const {
-    const bool can_overshoot = track_.overshoot && !track_.network &&
+    const bool can_overshoot = track_.overshoot && !track_.network && !track_.table &&
                                (track_.spline == Spline::smooth || track_.spline == Spline::catmull_rom);
     const bool keys_are_inside = !track_.space && std::ranges::all_of(track_.keys, [&](const MoveKey& key) {
       const double at = key.at[axis_in_track_];
@@ -83,7 +83,10 @@ class AxisRefusals {
     const bool low = limits_.min - axis_.range->lowest.value > axis_.range->highest.value - limits_.max;
     const Peak& worst = low ? axis_.range->lowest : axis_.range->highest;
     std::string inward =
-        fmt::format("move its keys{} inward by {:.6g} {}", track_.network ? " and the drawn curves" : "",
+        fmt::format("move its {} inward by {:.6g} {}",
+                    track_.table     ? "rows there"
+                    : track_.network ? "keys and the drawn curves"
+                                     : "keys",
                     rounded_up(low ? limits_.min - worst.value : worst.value - limits_.max), axis_.unit);
     if (!keys_are_inside || !can_overshoot) return inward;
     // There overshoot = false would break max_jerk.

@@ -73,11 +73,13 @@ void print_plan_summary(const Plan& plan, std::FILE* out) {
     const SolvedTrack& solved = plan.tracks()[t];
     const Provenance& made = solved.table().provenance();
     const std::string unit = plan.length_unit(t);
+    const std::optional<MoveTable>& table = move.tracks[t].table;
+    const std::size_t count = table ? table->frames.size() : move.tracks[t].keys.size();
     fmt::print(out, "  {}: {}, length {:.6g}{}{}; ", comma_separated(move.tracks[t].axes),
-               counted(static_cast<std::int64_t>(move.tracks[t].keys.size()), "key"),
+               counted(static_cast<std::int64_t>(count), table ? "row" : "key"),
                solved.track().arc_length().total(), unit.empty() ? "" : " ", unit);
     if (!solved.track().has_profile()) {
-      fmt::print(out, "timed by the frames of its keys\n");
+      fmt::print(out, "timed by the frames of its {}\n", table ? "rows" : "keys");
       print_followed(plan, t, "    ", out);
       print_passed(plan, t, "    ", out);
       continue;

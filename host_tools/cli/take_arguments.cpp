@@ -21,8 +21,8 @@ std::optional<std::string> takes_of_environment() {
   return named != nullptr && *named != '\0' ? std::optional<std::string>(named) : std::nullopt;
 }
 
-TakeFile take_file(TakeFile::Role role, const std::string& path) {
-  std::string text = is_special(path) ? "" : read_text_file(path);
+TakeFile take_file(TakeFile::Role role, const std::string& path, std::size_t max_bytes = max_file_bytes) {
+  std::string text = is_special(path) ? "" : read_text_file(path, max_bytes);
   std::string hash = hash_of_content(text);
   return {role, path, std::move(text), std::move(hash)};
 }
@@ -97,7 +97,8 @@ void complete_files(const Plan& plan, std::vector<TakeFile>& files) {
     if (drive != nullptr && !drive->eds.empty() && std::ranges::count(others, drive->eds) == 0)
       others.push_back(drive->eds);
   }
-  for (const std::string& other : others) files.push_back(take_file(TakeFile::Role::other, other));
+  for (const std::string& other : others)
+    files.push_back(take_file(TakeFile::Role::other, other, max_table_bytes));
 }
 
 }  // namespace inbetween

@@ -1,5 +1,7 @@
 #include "host_tools/edit/edit_document.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -16,10 +18,20 @@
 namespace inbetween {
 namespace {
 
+/// What the core of the page holds of a track (editor/solver/track_slot.hpp). More of a table would only be a
+/// long wait before it refuses.
+constexpr std::int32_t max_page_segments = 4'000;
+constexpr std::size_t max_page_axes = 16;
+constexpr std::int32_t max_page_frames = 50'000;
+
+/// Whether the program makes the path, which the page cannot.
+bool is_given_path(const MoveTrack& track) {
+  return track.space || track.distance || track.network || track.table;
+}
+
 /// Whether the core alone solves the track: the page has nothing else.
 bool is_live(const MoveTrack& track) {
-  const bool follows = track.space || track.distance || track.network;
-  if (follows || track.ease_corners) return false;
+  if (is_given_path(track) || track.ease_corners) return false;
   if (track.timing == Timing::frames) return kinetic_of(track) != MoveKinetic::pace;
   return track.curve_requests.empty();
 }
@@ -86,7 +98,6 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
                  const std::string& file) {
   const MoveTrack& track = plan.move().tracks[index];
   const SolvedTrack& solved = plan.tracks()[index];
-  const bool follows = track.space || track.distance || track.network;
   const bool by_frames = track.timing == Timing::frames;
   const bool is_pace = by_frames && kinetic_of(track) == MoveKinetic::pace;
   const bool live = is_live(track);
@@ -135,7 +146,7 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
     json.null();
   }
   json.key("path");
-  if (follows) {
+  if (is_given_path(track)) {
     write_cubics(json, solved.track().path());
   } else {
     json.null();
@@ -231,6 +242,23 @@ void write_joints(JsonWriter& json, const Plan& plan) {
               kinematics.tips().empty() ? std::nullopt : std::optional(kinematics.tips().front().link));
 }
 
+void refuse_long_tables(const Plan& plan) {
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const MoveTrack& track = plan.move().tracks[t];
+    if (!track.table) continue;
+    const bool fits = plan.tracks()[t].track().path().segment_count() <= max_page_segments &&
+                      track.axes.size() <= max_page_axes && plan.move().frames <= max_page_frames;
+    if (fits) continue;
+    throw InputError(
+        track.table->place,
+        fmt::format("the table has {} on {}, and the page does not show one of more than {} rows, {} axes or "
+                    "{} frames; check and play the move with inbetween check and inbetween run",
+                    counted(static_cast<std::int64_t>(track.table->frames.size()), "row"),
+                    counted(plan.move().frames, "frame"), max_page_segments, max_page_axes,
+                    max_page_frames));
+  }
+}
+
 /// What `write` writes, as text.
 template <class Write>
 std::string json_text(const Write& write) {
@@ -253,6 +281,7 @@ std::string json_text(const Write& write) {
 }  // namespace
 
 std::string document_of(const Plan& plan, const DocumentSource& source) {
+  refuse_long_tables(plan);
   return json_text([&](JsonWriter& json) {
     const MoveFile& move = plan.move();
     json.begin_object();

@@ -20,6 +20,7 @@ struct DocumentSource {
 
 /// JSON: the move as the core takes it (docs/editor.md lists the members). Of every track it says whether the
 /// page can solve it by itself after every edit ("live"), and if keys or curve cannot be edited there, why.
+/// Throws InputError where a table is longer than the page can show.
 std::string document_of(const Plan& plan, const DocumentSource& source);
 
 }  // namespace inbetween

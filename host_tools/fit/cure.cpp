@@ -107,8 +107,8 @@ class CureSearch {
   /// The first change after which no axis of the track is refused; or else the one that needs the least of
   /// slowing down.
   [[nodiscard]] std::optional<Tried> cured_track(const Tried& from, std::size_t track) const {
-    // Its keys go together with what is drawn.
-    if (from.move.tracks[track].network) return std::nullopt;
+    // Its keys go together with what is drawn, or are rows.
+    if (from.move.tracks[track].network || from.move.tracks[track].table) return std::nullopt;
     using Change = bool (CureSearch::*)(Tried&, std::size_t) const;
     using Self = CureSearch;
     const std::vector<std::vector<Change>> attempts{{&Self::join_near_keys},

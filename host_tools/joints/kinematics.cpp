@@ -273,7 +273,7 @@ Kinematics::Kinematics(const UrdfFile& urdf, const RigFile& rig)
 
 Kinematics read_kinematics(const RigFile& rig, const TextReader& read) {
   const std::filesystem::path path = std::filesystem::path(rig.path).parent_path() / rig.kinematics->urdf;
-  return {parse_urdf(read(path), path.string()), rig};
+  return {parse_urdf(read(path, max_file_bytes), path.string()), rig};
 }
 
 }  // namespace inbetween

@@ -17,10 +17,11 @@ namespace {
 
 constexpr std::array<std::string_view, 7> move_fields = {"name", "fps",     "frames", "track",
                                                          "cue",  "clapper", "start"};
-constexpr std::array<std::string_view, 27> track_fields = {
-    "axes", "unit",    "wrap",    "spline",    "closed",  "periodic", "keys",     "timing",  "speed",
-    "rest", "kinetic", "weights", "overshoot", "corners", "ease_in",  "ease_out", "through", "space",
-    "aim",  "elbow",   "near",    "distance",  "overlap", "round",    "network",  "places",  "drawn"};
+constexpr std::array<std::string_view, 28> track_fields = {
+    "axes",     "unit",     "wrap",    "spline",  "closed",  "periodic",  "keys",
+    "timing",   "speed",    "rest",    "kinetic", "weights", "overshoot", "corners",
+    "ease_in",  "ease_out", "through", "space",   "aim",     "elbow",     "near",
+    "distance", "overlap",  "round",   "network", "places",  "drawn",     "table"};
 
 constexpr std::int64_t max_fps = 1'000;
 constexpr std::int64_t max_fps_part = 1'000'000;
@@ -160,6 +161,14 @@ void refuse_round_in_space(const TomlTable& table, const MoveTrack& track) {
                    "spline = \"smooth\"");
 }
 
+void read_rest(const TomlTable& table, MoveTrack& track) {
+  const auto rest = table.optional("rest");
+  if (!rest) return;
+  constexpr std::array ends = {RestingEnds{true, true}, RestingEnds{true, false}, RestingEnds{false, true},
+                               RestingEnds{false, false}};
+  track.rest = ends.at(rest->choice({"both", "start", "end", "none"}));
+}
+
 void read_kinetic(const TomlTable& table, MoveTrack& track) {
   if (const auto kinetic = table.optional("kinetic")) {
     if (track.timing != Timing::frames)
@@ -177,11 +186,7 @@ void read_kinetic(const TomlTable& table, MoveTrack& track) {
   const CornerFields corners = read_corner_fields(table, track);
   track.overlap = corners.overlap;
   track.round = corners.round;
-  if (const auto rest = table.optional("rest")) {
-    constexpr std::array ends = {RestingEnds{true, true}, RestingEnds{true, false}, RestingEnds{false, true},
-                                 RestingEnds{false, false}};
-    track.rest = ends.at(rest->choice({"both", "start", "end", "none"}));
-  }
+  read_rest(table, track);
   if (const auto at_corners = table.optional("corners")) {
     track.ease_corners = at_corners->choice({"pass", "ease"}) == 1;
     if (track.ease_corners && !has_speed_curve(track)) {
@@ -275,6 +280,11 @@ MoveTrack read_track(const TomlValue& value, std::int32_t frames, const TextRead
   MoveTrack track;
   track.place = table.place();
   read_axes(table, track, taken_axes);
+  if (table.optional("table")) {
+    read_rest(table, track);
+    read_table(table, frames, read, track);
+    return track;
+  }
   if (const auto spline = table.optional("spline")) {
     track.spline = static_cast<Spline>(spline->choice(spline_words));
   }
@@ -397,6 +407,7 @@ std::vector<std::string> files_beside(const MoveFile& move) {
   std::vector<std::string> files;
   for (const MoveTrack& track : move.tracks) {
     if (track.network) files.insert(files.end(), track.network->files.begin(), track.network->files.end());
+    if (track.table) files.push_back(track.table->file);
   }
   return files;
 }

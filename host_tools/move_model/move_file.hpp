@@ -29,6 +29,7 @@ inline constexpr std::size_t max_keys = 10'000;  // of a track
 inline constexpr std::size_t max_track_axes = 64;
 inline constexpr std::size_t max_control_values = 2'048;  // of a speed curve
 inline constexpr double max_control_value = 100;
+inline constexpr std::size_t max_table_bytes = std::size_t{64} << 20U;  // of a file that `table` names
 
 /// Frames per second; numerator and denominator 1..1 000 000, the quotient at most 1000.
 struct WrittenFrameRate {
@@ -133,6 +134,19 @@ struct MoveNetwork {
   std::vector<std::string> files = {};  // that it was read from, with the folder of the move
 };
 
+/// The rows of a file beside the move, which are played as they are (plan/table_track.hpp). The keys of the
+/// track are the first row and the last.
+struct MoveTable {
+  std::string file;                  // with the folder of the move
+  std::vector<std::int32_t> frames;  // of each row, rising, the first 0, the last that of the move
+  std::vector<double> at;            // row after row, in each the axes of the track
+  std::vector<MoveUnit> units;       // of each axis
+  std::vector<std::uint32_t> lines;  // of the file, on which each row stands
+  Place place;
+
+  [[nodiscard]] Place place_of(std::size_t row) const { return {file, lines[row], 0}; }
+};
+
 struct MoveTrack {
   std::vector<std::string> axes;
   std::vector<Place> axis_places;
@@ -145,6 +159,7 @@ struct MoveTrack {
   std::optional<MoveSpace> space;        // the axes follow
   std::optional<MoveDistance> distance;  // in place of weights
   std::optional<MoveNetwork> network;
+  std::optional<MoveTable> table;
   std::vector<MoveKey> keys;
   std::vector<double> speed;  // control values 0..100; empty with Timing::frames
   std::vector<Place> speed_places;
@@ -153,7 +168,7 @@ struct MoveTrack {
   std::vector<Place> weight_places;
   Timing timing = Timing::speed;
   std::optional<MoveKinetic> kinetic;  // only with Timing::frames
-  std::optional<RestingEnds> rest;     // of a drawn speed: absent, as drawn
+  std::optional<RestingEnds> rest;     // absent: of a drawn speed, as drawn; of a table, as its rows
   std::optional<EaseRequest> ease_in, ease_out;
   bool through = false;  // `speed` are values of the curve, not control values
   std::vector<CurveRequest>

@@ -127,19 +127,6 @@ void read_points(const TomlValue& value, std::int32_t frames, const MoveTrack& t
   refuse_unfinished(drawn.front(), frames, value.place());
 }
 
-/// The unit of a column "tip (mm)", as `plan --csv` names the columns of the axis "tip"; nothing where the
-/// column is another. A column "tip" counts as `otherwise`.
-std::optional<MoveUnit> unit_of_column(const std::string& column, const std::string& axis,
-                                       MoveUnit otherwise) {
-  if (column == axis) return otherwise;
-  for (std::size_t unit = 0; unit < move_unit_words.size(); ++unit) {
-    if (column == fmt::format("{} ({})", axis, move_unit_words.at(unit)))
-      return static_cast<MoveUnit>(unit + 1);
-  }
-  if (column == fmt::format("{} ({})", axis, to_string(AxisUnit::unit))) return MoveUnit::of_rig;
-  return std::nullopt;
-}
-
 /// A column is that of the axis, or of its frames.
 struct Columns {
   std::size_t frame = 0;
@@ -179,16 +166,6 @@ void read_csv(const CsvTable& table, const std::string& axis, std::int32_t frame
   refuse_unfinished(drawn, frames, {table.path, table.rows.empty() ? 1 : table.rows.back().line, 0});
 }
 
-CsvTable read_csv_beside(const TomlValue& value, const TextReader& read) {
-  const std::string name = value.text();
-  if (name.find('/') != std::string::npos) {
-    value.refuse(fmt::format("is {}; put the file beside that of the move, and write its name alone",
-                             in_quotes(name)));
-  }
-  const std::filesystem::path path = std::filesystem::path(value.place().file).parent_path() / name;
-  return parse_csv(read(path), path.string());
-}
-
 /// The columns tip.x, tip.y and tip.z, in metres. All three have the same frames.
 void read_csv_in_space(const CsvTable& table, const std::string& tip, std::int32_t frames,
                        std::span<DrawnAxis> drawn) {
@@ -220,13 +197,34 @@ void read_drawn(const TomlValue& curve, std::size_t index, std::int32_t frames, 
   }
   const std::span<DrawnAxis> drawn = std::span(network.drawn).subspan(first);
   if (curve.node().is_array()) return read_points(curve, frames, track, drawn);
-  const CsvTable table = read_csv_beside(curve, read);
+  const std::string path = path_beside(curve);
+  const CsvTable table = parse_csv(read(path, max_file_bytes), path);
   if (std::ranges::count(network.files, table.path) == 0) network.files.push_back(table.path);
   if (track.space) return read_csv_in_space(table, name, frames, drawn);
   read_csv(table, name, frames, drawn.front());
 }
 
 }  // namespace
+
+std::string path_beside(const TomlValue& value) {
+  const std::string name = value.text();
+  if (name.find('/') != std::string::npos) {
+    value.refuse(fmt::format("is {}; put the file beside that of the move, and write its name alone",
+                             in_quotes(name)));
+  }
+  return (std::filesystem::path(value.place().file).parent_path() / name).string();
+}
+
+std::optional<MoveUnit> unit_of_column(const std::string& column, const std::string& axis,
+                                       MoveUnit otherwise) {
+  if (column == axis) return otherwise;
+  for (std::size_t unit = 0; unit < move_unit_words.size(); ++unit) {
+    if (column == fmt::format("{} ({})", axis, move_unit_words.at(unit)))
+      return static_cast<MoveUnit>(unit + 1);
+  }
+  if (column == fmt::format("{} ({})", axis, to_string(AxisUnit::unit))) return MoveUnit::of_rig;
+  return std::nullopt;
+}
 
 void read_network(const TomlTable& table, std::int32_t frames, const TextReader& read, MoveTrack& track) {
   const auto network = table.optional("network");

@@ -1,10 +1,11 @@
-// The parts of the reader of a move, each written in a file of its own: keys, space, network, cues.
+// The parts of the reader of a move, each written in a file of its own: keys, space, network, table, cues.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "host_tools/move_model/move_file.hpp"
 #include "host_tools/text/toml_value.hpp"
@@ -65,6 +66,22 @@ void read_network(const TomlTable& table, std::int32_t frames, const TextReader&
 /// Every key has a frame, the first 0, the last that of the move, each later than the one before. Throws
 /// InputError at the key.
 void check_network_keys(const MoveTrack& track, std::int32_t frames);
+
+/// The file that a field names, which stands beside that of the move. Throws InputError at a name with a
+/// folder.
+std::string path_beside(const TomlValue& value);
+/// The unit of a column "tip (mm)", as `plan --csv` names the columns of the axis "tip"; nothing where the
+/// column is another. A column "tip" counts as `otherwise`.
+std::optional<MoveUnit> unit_of_column(const std::string& column, const std::string& axis,
+                                       MoveUnit otherwise);
+
+// move_table_reader.cpp: a track whose motion is a CSV file
+
+/// The field `table` of a track in a move of so many frames, and `unit`; axes and rest are read. The rows
+/// are read one by one from what `read` gives, of max_table_bytes at most. Throws InputError at a field that
+/// says anything else of the motion, and at the line of the file where the rows are none of the move.
+/// O(bytes).
+void read_table(const TomlTable& table, std::int32_t frames, const TextReader& read, MoveTrack& track);
 
 // move_cue_reader.cpp
 

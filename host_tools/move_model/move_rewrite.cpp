@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -164,6 +165,10 @@ const toml::table& track_table(const toml::table& root, std::size_t track) {
 }
 
 std::optional<std::string> why_fixed(const MoveTrack& track, const toml::table& table, bool in_own_units) {
+  if (track.table) {
+    return fmt::format("the motion is that of {}, row by row; edit that file",
+                       in_quotes(std::filesystem::path(track.table->file).filename().string()));
+  }
   if (track.space) return "the keys are in the world; edit them as text";
   if (track.network) return "the keys go together with the drawn curves of a network; edit both as text";
   if (!track.wraps.empty()) return "an axis counts round (wrap); edit its keys as text";

@@ -226,6 +226,7 @@ void TaughtMove::store(std::size_t axis, const StandingAxes& standing, Where whe
   if (!text_) return make(standing);
   const std::size_t t = known_track_of(axis);
   const MoveTrack& track = move_.tracks[t];
+  if (track.table) throw NotTaught{"this track plays the rows of a table: edit that file"};
   if (track.timing == Timing::frames && where != Where::in_place) {
     throw NotTaught{"the keys of this track have frames, and a new one would need one: add it in the file"};
   }

@@ -33,6 +33,7 @@ class SettledAxis {
       key.at[axis_] = in_unit(key.at[axis_], unit_of(key.units, axis_), key.at_places, axis_);
     }
     if (track_.network) settle_drawn();
+    if (track_.table) settle_rows();
     if (track_.wraps.empty() || track_.wraps[axis_] == 0) return;
     turn_ = in_unit(track_.wraps[axis_], unit_of(track_.units, axis_), track_.keys.front().at_places, axis_);
     for (const MoveKey& key : track_.keys) refuse_more_than_a_turn(key);
@@ -53,6 +54,17 @@ class SettledAxis {
       }
       drawn.unit = MoveUnit::of_rig;
     }
+  }
+
+  /// The keys, which are rows, have shown that the units go together.
+  void settle_rows() {
+    MoveTable& table = *track_.table;
+    MoveUnit& from = table.units[axis_];
+    if (unit_ && from != MoveUnit::of_rig) {
+      for (std::size_t i = axis_; i < table.at.size(); i += track_.axes.size())
+        table.at[i] = *converted(table.at[i], from, *unit_);
+    }
+    from = MoveUnit::of_rig;
   }
 
   /// The position is the one that stands at places[index].

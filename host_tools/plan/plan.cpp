@@ -13,6 +13,7 @@
 #include "host_tools/plan/drawn_curve.hpp"
 #include "host_tools/plan/key_positions.hpp"
 #include "host_tools/plan/network_track.hpp"
+#include "host_tools/plan/table_track.hpp"
 #include "host_tools/plan/unmet_lock.hpp"
 
 namespace inbetween {
@@ -292,11 +293,11 @@ SolvedTrack solve_track(const MoveTrack& track, const MoveFile& move, const std:
       numbers.spec.cubics = path_of_cubics(track, *followed);
       refuse_open_loop(track, *followed);
     }
-    CubicsOverFrames network;
-    if (track.network) {
-      network = network_of(track, numbers.spec);
+    CubicsOverFrames drawn;
+    if (track.network || track.table) {
+      drawn = track.network ? network_of(track, numbers.spec) : table_path(track);
       numbers.weights.resize(track.axes.size(), 1);  // all 1 where none are given
-      numbers.spec.cubics = path_of_cubics(track, network.cubics, numbers.weights, network.knots, true);
+      numbers.spec.cubics = path_of_cubics(track, drawn.cubics, numbers.weights, drawn.knots, true);
     }
     SolvedTrack solved(numbers.spec, options.solver, {}, same_keys);
     if (same_keys == nullptr) value_or_throw(check_invariants(solved.track(), solved.table()));
@@ -490,7 +491,18 @@ std::vector<Warning> Plan::keys_outside() const {
     if (!planned.track || move_.tracks[*planned.track].space) continue;
     const RigAxis& axis = rig_->axes[a];
     const double rounding = position_rounding(axis.min, axis.max);
-    const std::vector<MoveKey>& keys = move_.tracks[*planned.track].keys;
+    const MoveTrack& track = move_.tracks[*planned.track];
+    if (track.table) {
+      const auto row = row_outside(track, planned.track_axis, axis.min - rounding, axis.max + rounding);
+      if (!row) continue;
+      outside.push_back({track.table->place_of(*row),
+                         fmt::format("frame {}: axis {} is at {:.10g} {}, outside {} of the rig {}",
+                                     track.table->frames[*row], in_quotes(axis.name),
+                                     track.table->at[*row * track.axes.size() + planned.track_axis],
+                                     to_string(axis.unit), range_in_words(axis), in_quotes(rig_->name))});
+      continue;
+    }
+    const std::vector<MoveKey>& keys = track.keys;
     const auto key = std::ranges::find_if(keys, [&](const MoveKey& one) {
       const double at = one.at[planned.track_axis];
       return at < axis.min - rounding || at > axis.max + rounding;

@@ -58,6 +58,12 @@ void add_network(const MoveTrack& track, Fnv1a& hash) {
   }
 }
 
+void add_table(const MoveTrack& track, Fnv1a& hash) {
+  if (!track.table) return;
+  for (const std::int32_t frame : track.table->frames) hash.add(frame);
+  for (const double value : track.table->at) hash.add(value);
+}
+
 /// The hash of everything that decides the motion. Two files that differ in comments or names only have the
 /// same hash.
 std::uint64_t hash_of(const MoveFile& move) {
@@ -92,6 +98,7 @@ std::uint64_t hash_of(const MoveFile& move) {
     add_corners(track, hash);
     add_space(track, hash);
     add_network(track, hash);
+    add_table(track, hash);
     for (const std::vector<double>* list : {&track.speed, &track.weights, &track.lap}) {
       hash.add(static_cast<std::int32_t>(list->size()));
       for (const double value : *list) hash.add(value);
@@ -174,6 +181,15 @@ void write_network(const MoveTrack& track, JsonWriter& json) {
   });
 }
 
+void write_rows_of_table(const MoveTrack& track, JsonWriter& json) {
+  if (!track.table) return;
+  json.line();
+  json.object("rows", [&] {
+    json.member("file", track.table->file);
+    json.member("count", track.table->frames.size());
+  });
+}
+
 void write_track(const Plan& plan, std::size_t index, JsonWriter& json) {
   const MoveTrack& track = plan.move().tracks[index];
   const SolvedTrack& solved = plan.tracks()[index];
@@ -184,6 +200,7 @@ void write_track(const Plan& plan, std::size_t index, JsonWriter& json) {
   json.member("length", solved.track().arc_length().total());
   write_speed(track, solved, json);
   write_network(track, json);
+  write_rows_of_table(track, json);
   json.line();
   write_segments(solved.track().path(), json);
   write_passed(plan, index, json);

@@ -101,6 +101,10 @@ MoveFile turns_of(const Plan& plan, std::int32_t turns) {
       throw InputError(track.network->place,
                        "only a periodic move has turns, and a network is played once; leave out --turns");
     }
+    if (track.table) {
+      throw InputError(track.table->place,
+                       "only a periodic move has turns, and a table is played once; leave out --turns");
+    }
     throw InputError(
         track.place,
         "only a periodic move has turns, and this track is none; add closed = true and periodic = "

@@ -10,7 +10,7 @@
 namespace inbetween {
 
 TextReader kept_texts(const Take& take) {
-  return [&take](const std::filesystem::path& path) {
+  return [&take](const std::filesystem::path& path, std::size_t /*max_bytes*/) {
     const auto found = std::ranges::find(take.files, path.string(), &TakeFile::path);
     if (found != take.files.end()) return found->text;
     throw InputError({path.string(), 0, 0},

@@ -4,7 +4,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -14,111 +13,118 @@
 namespace inbetween {
 namespace {
 
-std::string without_blanks(std::string_view field) {
-  const std::size_t begin = field.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return "";
-  return std::string(field.substr(begin, field.find_last_not_of(" \t") - begin + 1));
+constexpr std::string_view blanks = " \t";
+
+std::string_view without_blanks(std::string_view field) {
+  const std::size_t begin = field.find_first_not_of(blanks);
+  if (begin == std::string_view::npos) return {};
+  return field.substr(begin, field.find_last_not_of(blanks) - begin + 1);
 }
 
-/// Takes the rows of a text one by one.
-class CsvReader {
- public:
-  CsvReader(std::string_view text, const std::string& path) : rest_(text), path_(path) {
-    if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
-  }
-
-  /// Nothing behind the last row.
-  std::optional<CsvRow> next() {
-    while (!rest_.empty()) {
-      CsvRow row{.line = line_, .fields = {}};
-      while (add_field(row)) {
-      }
-      if (row.fields.size() > 1 || !row.fields.front().empty()) return row;
-    }
-    return std::nullopt;
-  }
-
- private:
-  /// Whether another field follows in the row.
-  bool add_field(CsvRow& row) {
-    const std::size_t begin = rest_.find_first_not_of(" \t");
-    if (begin != std::string_view::npos && rest_[begin] == '"') {
-      rest_.remove_prefix(begin + 1);
-      row.fields.push_back(quoted(row.line));
-      refuse_more_behind_quote();
-    } else {
-      row.fields.push_back(without_blanks(rest_.substr(0, rest_.find_first_of(",\r\n"))));
-    }
-    const std::size_t end = rest_.find_first_of(",\r\n");
-    if (end == std::string_view::npos) {
-      rest_ = {};
-      return false;
-    }
-    const bool is_comma = rest_[end] == ',';
-    const bool is_pair = rest_.substr(end).starts_with("\r\n");
-    rest_.remove_prefix(end + (is_pair ? 2 : 1));
-    if (!is_comma) ++line_;
-    return is_comma;
-  }
-
-  void refuse_more_behind_quote() const {
-    const std::size_t next = rest_.find_first_not_of(" \t");
-    if (next == std::string_view::npos || rest_.find_first_of(",\r\n") == next) return;
-    throw InputError({path_, line_, 0}, "text stands behind a closing quote; write a comma between them");
-  }
-
-  /// A quote within the field is written twice.
-  std::string quoted(std::uint32_t first_line) {
-    std::string field;
-    for (;;) {
-      const std::size_t end = rest_.find('"');
-      if (end == std::string_view::npos) {
-        throw InputError({path_, first_line, 0}, "a quote is not closed; close it, or remove it");
-      }
-      for (const char c : rest_.substr(0, end)) line_ += c == '\n' ? 1 : 0;
-      field += rest_.substr(0, end);
-      rest_.remove_prefix(end + 1);
-      if (!rest_.starts_with('"')) return field;
-      field += '"';
-      rest_.remove_prefix(1);
-    }
-  }
-
-  std::string_view rest_;
-  const std::string& path_;
-  std::uint32_t line_ = 1;
-};
+/// Of the next comma or line end; the size of the text where there is none. Byte by byte: a field is short,
+/// and find_first_of() takes twice as long.
+std::size_t end_of_field(std::string_view text) {
+  std::size_t end = 0;
+  while (end < text.size() && text[end] != ',' && text[end] != '\n' && text[end] != '\r') ++end;
+  return end;
+}
 
 }  // namespace
 
+CsvReader::CsvReader(std::string_view text, const std::string& path) : rest_(text), path_(path) {
+  if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+  CsvRow first;
+  if (!take(first)) throw InputError({path, 0, 0}, "the file is empty; its first row names the columns");
+  columns_ = std::move(first.fields);
+}
+
+bool CsvReader::next(CsvRow& row) {
+  if (!take(row)) return false;
+  if (row.fields.size() == columns_.size()) return true;
+  throw InputError(
+      {path_, row.line, 0},
+      fmt::format("the row has {}, and the first row names {}; write one field for each column, a decimal "
+                  "with a point",
+                  counted(static_cast<std::int64_t>(row.fields.size()), "field"), columns_.size()));
+}
+
+/// Whether there is another row. Its fields take the memory of those that `row` has.
+bool CsvReader::take(CsvRow& row) {
+  while (!rest_.empty()) {
+    row.line = line_;
+    std::size_t count = 0;
+    bool has_more = true;
+    while (has_more) {
+      if (count == row.fields.size()) row.fields.emplace_back();
+      has_more = take_field(row, row.fields[count++]);
+    }
+    row.fields.resize(count);
+    if (count > 1 || !row.fields.front().empty()) return true;
+  }
+  return false;
+}
+
+/// Whether another field follows in the row.
+bool CsvReader::take_field(const CsvRow& row, std::string& field) {
+  const std::size_t begin = rest_.find_first_not_of(blanks);
+  if (begin != std::string_view::npos && rest_[begin] == '"') {
+    rest_.remove_prefix(begin + 1);
+    take_quoted(row.line, field);
+    refuse_more_behind_quote();
+    rest_.remove_prefix(end_of_field(rest_));
+  } else {
+    const std::size_t end = end_of_field(rest_);
+    field = without_blanks(rest_.substr(0, end));
+    rest_.remove_prefix(end);
+  }
+  if (rest_.empty()) return false;
+  const bool is_comma = rest_.front() == ',';
+  rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
+  if (!is_comma) ++line_;
+  return is_comma;
+}
+
+void CsvReader::refuse_more_behind_quote() const {
+  const std::size_t next = rest_.find_first_not_of(blanks);
+  if (next == std::string_view::npos || end_of_field(rest_) == next) return;
+  throw InputError({path_, line_, 0}, "text stands behind a closing quote; write a comma between them");
+}
+
+/// A quote within the field is written twice.
+void CsvReader::take_quoted(std::uint32_t first_line, std::string& field) {
+  field.clear();
+  for (;;) {
+    const std::size_t end = rest_.find('"');
+    if (end == std::string_view::npos) {
+      throw InputError({path_, first_line, 0}, "a quote is not closed; close it, or remove it");
+    }
+    for (const char c : rest_.substr(0, end)) line_ += c == '\n' ? 1 : 0;
+    field += rest_.substr(0, end);
+    rest_.remove_prefix(end + 1);
+    if (!rest_.starts_with('"')) return;
+    field += '"';
+    rest_.remove_prefix(1);
+  }
+}
+
 CsvTable parse_csv(std::string_view text, const std::string& path) {
   CsvReader reader(text, path);
-  CsvTable table{.path = path, .columns = {}, .rows = {}};
-  std::optional<CsvRow> row = reader.next();
-  if (!row) throw InputError({path, 0, 0}, "the file is empty; its first row names the columns");
-  table.columns = std::move(row->fields);
-  while ((row = reader.next())) {
-    if (row->fields.size() != table.columns.size()) {
-      throw InputError(
-          table.place_of(*row),
-          fmt::format(
-              "the row has {}, and the first row names {}; write one field for each column, a decimal "
-              "with a point",
-              counted(static_cast<std::int64_t>(row->fields.size()), "field"), table.columns.size()));
-    }
-    table.rows.push_back(std::move(*row));
-  }
+  CsvTable table{.path = path, .columns = reader.columns(), .rows = {}};
+  for (CsvRow row; reader.next(row);) table.rows.push_back(row);
   return table;
 }
 
-double csv_number(const CsvTable& table, const CsvRow& row, std::size_t column) {
-  const std::string& field = row.fields[column];
+double csv_number(const std::string& column, const std::string& field, const Place& place) {
   double number = 0;
   const char* const end = field.data() + field.size();
   const auto [stopped, error] = std::from_chars(field.data(), end, number);
   if (error == std::errc() && stopped == end && std::abs(number) <= max_magnitude) return number;
-  throw InputError(table.place_of(row), fmt::format("{} is {}; write a number such as 12.5",
-                                                    in_quotes(table.columns[column]), in_quotes(field)));
+  throw InputError(place,
+                   fmt::format("{} is {}; write a number such as 12.5", in_quotes(column), in_quotes(field)));
+}
+
+double csv_number(const CsvTable& table, const CsvRow& row, std::size_t column) {
+  return csv_number(table.columns[column], row.fields[column], table.place_of(row));
 }
 
 std::string csv_field(const std::string& text) {

@@ -25,14 +25,38 @@ struct CsvTable {
   [[nodiscard]] Place place_of(const CsvRow& row) const { return {path, row.line, 0}; }
 };
 
-/// Reads RFC 4180: fields with a comma, a quote or a line break stand in quotes. A byte order mark, LF in
-/// place of CRLF and empty lines are accepted. `path` stands in places. Throws InputError at the line where a
-/// row has more or fewer fields than the first, or where a quote is not closed, and at the file where no row
-/// is there. O(bytes).
+/// Takes the rows of a text one by one, so that a long table needs the memory of one row. Reads RFC 4180:
+/// fields with a comma, a quote or a line break stand in quotes. A byte order mark, LF in place of CRLF and
+/// empty lines are accepted. Refers to the text and to `path`, which stands in places.
+class CsvReader {
+ public:
+  /// Takes the first row, which names the columns. Throws InputError at the file where no row is there.
+  CsvReader(std::string_view text, const std::string& path);
+
+  [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
+  /// The next row takes the place of `row`; false behind the last one. Throws InputError at the line where a
+  /// row has more or fewer fields than the first, or where a quote is not closed. O(bytes of the row).
+  bool next(CsvRow& row);
+
+ private:
+  bool take(CsvRow& row);
+  bool take_field(const CsvRow& row, std::string& field);
+  void refuse_more_behind_quote() const;
+  void take_quoted(std::uint32_t first_line, std::string& field);
+
+  std::string_view rest_;
+  const std::string& path_;
+  std::uint32_t line_ = 1;
+  std::vector<std::string> columns_;
+};
+
+/// All rows at once. Throws InputError as a CsvReader does. O(bytes).
 CsvTable parse_csv(std::string_view text, const std::string& path);
 
-/// A field as a finite number, at most max_magnitude; decimals have a point. Throws InputError at the row,
-/// with the name of the column.
+/// A field of a column as a finite number, at most max_magnitude; decimals have a point. Throws InputError at
+/// `place`, with the name of the column.
+double csv_number(const std::string& column, const std::string& field, const Place& place);
+/// The same of a row of a table.
 double csv_number(const CsvTable& table, const CsvRow& row, std::size_t column);
 
 /// A field with a comma or a quote is quoted as RFC 4180 says.

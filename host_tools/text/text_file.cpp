@@ -12,7 +12,7 @@
 
 namespace inbetween {
 
-std::string read_text_file(const std::filesystem::path& path) {
+std::string read_text_file(const std::filesystem::path& path, std::size_t max_bytes) {
   const Place whole{path.string()};
   const auto refuse = [&](const std::string& message) { throw InputError(whole, message); };
   const auto refuse_system = [&](int error_number, std::string_view remedy) {
@@ -26,9 +26,9 @@ std::string read_text_file(const std::filesystem::path& path) {
   if (is_directory(status)) refuse("is a directory; name the file in it");
   if (is_regular_file(status)) {
     const auto size = std::filesystem::file_size(path);
-    if (size > max_file_bytes) {
+    if (size > max_bytes) {
       refuse(fmt::format("has {} bytes, more than the {} allowed; check that it is the right file", size,
-                         max_file_bytes));
+                         max_bytes));
     }
   }
 
@@ -39,9 +39,8 @@ std::string read_text_file(const std::filesystem::path& path) {
   std::vector<char> block(std::size_t{1} << 16U);
   while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
     text.append(block.data(), count);
-    if (text.size() > max_file_bytes) {
-      refuse(fmt::format("goes on beyond the {} bytes allowed; check that it is the right file",
-                         max_file_bytes));
+    if (text.size() > max_bytes) {
+      refuse(fmt::format("goes on beyond the {} bytes allowed; check that it is the right file", max_bytes));
     }
   }
   if (std::ferror(file.get()) != 0) refuse_system(errno, "check that it is a text file");

@@ -71,7 +71,9 @@ struct CurveConditions {
 
 std::vector<TimedPiece> smooth_curve(const TimedKeys& keys) {
   const std::size_t intervals = keys.at.size() - 1;
-  const auto is_flat = [&](std::size_t i) { return keys.at[i] == keys.at[i + 1]; };
+  const auto is_flat = [&](std::size_t i) {
+    return keys.rests_between_equals && keys.at[i] == keys.at[i + 1];
+  };
   const auto rests = [&](std::size_t k) {
     if (k == 0 && keys.rests_at_start && !keys.periodic) return true;
     if (k == intervals && keys.rests_at_end && !keys.periodic) return true;

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
@@ -58,6 +60,14 @@ std::vector<std::string> documented_examples() {
     }
   }
   return examples;
+}
+
+/// The document's move with the rows of its table.
+MoveFile parse_example(std::string_view text, const std::string& file) {
+  const auto rows = [](const std::filesystem::path&, std::size_t) {
+    return std::string("frame,tail\n0,0\n240,30\n");
+  };
+  return parse_move_beside(rows, text, file);
 }
 
 /// The document's script of faults is for the document's rig.
@@ -148,7 +158,7 @@ TEST(FormatsDocument, HasEveryFieldThatTheReadersAcceptAndNoOther) {
 TEST(FormatsDocument, ItsExamplesAreAccepted) {
   const std::vector<std::string> examples = documented_examples();
   ASSERT_EQ(examples.size(), 3U);
-  EXPECT_EQ(parse_move(examples[0], "docs/formats.md").tracks.size(), 9U);
+  EXPECT_EQ(parse_example(examples[0], "docs/formats.md").tracks.size(), 10U);
   EXPECT_EQ(parse_rig(examples[1], "docs/formats.md").axes.size(), 8U);
   EXPECT_EQ(parse_faults(examples[2], "docs/formats.md").faults.size(), 9U);
 }
@@ -233,14 +243,14 @@ TEST(FormatsDocument, HasEveryWordThatAFieldMayBe) {
     return words;
   };
   const std::map<std::string, std::set<std::string>> words = {
-      {"spline", words_after(parse_move, with(move, "\"tcb\"", "\"?\""))},
-      {"timing", words_after(parse_move, with(move, "\"speed\"", "\"?\""))},
-      {"kinetic", words_after(parse_move, with(move, "kinetic = \"curves\"", "kinetic = \"?\""))},
-      {"rest", words_after(parse_move, with(move, "rest    = \"both\"", "rest = \"?\""))},
-      {"corners", words_after(parse_move, with(move, "corners = \"pass\"", "corners = \"?\""))},
-      {"start", words_after(parse_move, with(move, "\"trigger\"", "\"?\""))},
-      {"unit", words_after(parse_move, with(move, "unit = \"mm\"", "unit = \"?\""))},
-      {"way", words_after(parse_move, with(move, "\"long\"", "\"?\""))},
+      {"spline", words_after(parse_example, with(move, "\"tcb\"", "\"?\""))},
+      {"timing", words_after(parse_example, with(move, "\"speed\"", "\"?\""))},
+      {"kinetic", words_after(parse_example, with(move, "kinetic = \"curves\"", "kinetic = \"?\""))},
+      {"rest", words_after(parse_example, with(move, "rest    = \"both\"", "rest = \"?\""))},
+      {"corners", words_after(parse_example, with(move, "corners = \"pass\"", "corners = \"?\""))},
+      {"start", words_after(parse_example, with(move, "\"trigger\"", "\"?\""))},
+      {"unit", words_after(parse_example, with(move, "unit = \"mm\"", "unit = \"?\""))},
+      {"way", words_after(parse_example, with(move, "\"long\"", "\"?\""))},
       {"mode", words_after(parse_rig, with(rig, "mode = \"cyclic\"", "mode = \"?\""))},
       {"drive = { type = \"cubemars\" } mode",
        words_after(parse_rig, with(rig, "mode = \"servo\"", "mode = \"?\""))},
