@@ -45,6 +45,8 @@ SampledSpeed sample_framed(const Track& track, const FrameTime& time, std::span<
 }
 
 bool is_cubic_in_time(const Track& track) {
+  // Curves over frames are. A long one is asked about for each of its stretches, and its intervals are many.
+  if (track.path().over_frames()) return true;
   return std::all_of(track.key_intervals().begin(), track.key_intervals().end(), is_even);
 }
 

@@ -1,12 +1,15 @@
 // Any text is a move that keeps every promise of host_tools/move_model/move_file.hpp, or is refused in one
-// line.
+// line. What stands behind a byte 0 are the rows of every file that it names.
 #include "host_tools/move_model/move_file.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <map>
+#include <string>
 #include <string_view>
 
 #include "tests/fuzz/targets/refusal.hpp"
@@ -32,7 +35,20 @@ void require_key(const MoveKey& key, const MoveTrack& track, std::int32_t frames
   fuzz_require(!key.breaks || key.frame, "only a locked key breaks the move");
 }
 
+void require_table(const MoveTable& table, const MoveTrack& track, std::int32_t frames) {
+  const std::size_t rows = table.frames.size();
+  fuzz_require(rows >= 2 && table.lines.size() == rows, "a table has two rows or more, each on its line");
+  fuzz_require(table.at.size() == rows * track.axes.size(), "a row has a number for every axis");
+  fuzz_require(table.units.size() == track.axes.size(), "an axis of a table has its unit");
+  fuzz_require(table.frames.front() == 0 && table.frames.back() == frames, "a table is on all of the move");
+  fuzz_require(std::ranges::adjacent_find(table.frames, std::greater_equal()) == table.frames.end(),
+               "the rows are in order");
+  require_numbers(table.at, -Precision::largest, Precision::largest);
+  fuzz_require(track.keys.size() == 2 && track.timing == Timing::frames, "the ends of a table are its keys");
+}
+
 void require_track(const MoveTrack& track, std::int32_t frames) {
+  if (track.table) require_table(*track.table, track, frames);
   fuzz_require(!track.axes.empty() && track.axes.size() <= max_track_axes, "a track has axes");
   fuzz_require(track.axis_places.size() == track.axes.size(), "an axis has a place");
   fuzz_require(!track.keys.empty() && track.keys.size() <= max_keys, "a track has keys");
@@ -83,7 +99,15 @@ void require_move(const MoveFile& move) {
 }  // namespace inbetween
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
-  return inbetween::fuzz_text(bytes, size, "any.toml", [](std::string_view text, const char* file) {
-    inbetween::require_move(inbetween::parse_move(text, file));
-  });
+  const std::string_view input(reinterpret_cast<const char*>(bytes), size);
+  const std::string_view text = input.substr(0, input.find('\0'));
+  const std::string rows(input.substr(std::min(text.size() + 1, size)));
+  const auto beside = [&](const std::filesystem::path&, std::size_t) { return rows; };
+  try {
+    inbetween::require_move(inbetween::parse_move_beside(beside, text, "any.toml"));
+  } catch (const inbetween::InputError& error) {
+    // The name of a file is the input's own.
+    require_one_line(error, error.place().file == "any.toml" ? "any.toml" : "");
+  }
+  return 0;
 }
