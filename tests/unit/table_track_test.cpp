@@ -22,6 +22,7 @@
 #include "host_tools/plan/fitted_trajectory.hpp"
 #include "host_tools/plan/plan.hpp"
 #include "host_tools/plan/plan_output.hpp"
+#include "host_tools/text/csv_table.hpp"
 #include "tests/support/refused_text.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/run_program.hpp"
@@ -46,7 +47,8 @@ table = "rows.csv"
 const std::string rows =
     "frame,neck,nod\n0,0,5\n1,0,7\n2,1.5,8\n3,4,8\n4,7,7.5\n6,11,4\n9,12.25,-1\n11,12,-2.5\n12,12,-3\n";
 
-const std::string rig = rig_text({{.name = "neck"}, {.name = "nod"}});
+const std::string rig =
+    rig_text({{.name = "neck", .max_acceleration = 4000}, {.name = "nod", .max_acceleration = 4000}});
 
 MoveFile parsed(const std::string& csv, const std::string& text = move) {
   return parse_move_beside([&](const std::filesystem::path&, std::size_t) { return csv; }, text, "move.toml");
@@ -265,6 +267,32 @@ TEST(TableTrack, APartOfItIsTheWholeToTheLastBit) {
       whole.motion().motion({frame, fraction}, here);
       part.motion().motion({frame, fraction}, there);
       for (std::size_t d = 0; d < 2; ++d) EXPECT_EQ(here[d].position, there[d].position) << frame;
+    }
+  }
+}
+
+TEST(TableTrack, WhatARunCommandsIsWhatAPlanPerTickSays) {
+  const TableFolder folder;
+  const std::vector<std::string> files = {folder.path("move.toml"), "--rig", folder.path("rig.toml")};
+  const auto table_of = [&](std::vector<std::string> words, const std::string& out) {
+    words.insert(words.begin() + 1, files.begin(), files.end());
+    words.push_back(folder.path(out));
+    const ProgramRun run = run_program(words);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return parse_csv(file_contents(folder.path(out)), out);
+  };
+  const CsvTable plan = table_of({"plan", "--per", "tick", "--csv"}, "plan.csv");
+  const CsvTable record = table_of({"run", "--sim", "--fast", "--record"}, "record.csv");
+  const auto column = [](const CsvTable& table, const std::string& name) {
+    return static_cast<std::size_t>(std::ranges::find(table.columns, name) - table.columns.begin());
+  };
+  ASSERT_GT(plan.rows.size(), 50U);
+  ASSERT_GE(record.rows.size(), plan.rows.size());
+  for (std::size_t tick = 0; tick < plan.rows.size(); ++tick) {
+    for (const std::string name : {"neck", "nod"}) {
+      EXPECT_EQ(csv_number(plan, plan.rows[tick], column(plan, name + " (mm)")),
+                csv_number(record, record.rows[tick], column(record, name)))
+          << tick;
     }
   }
 }
