@@ -61,7 +61,7 @@ class AxisRefusals {
     const Peak& worst = below > above ? lowest : highest;
     const double limit = below > above ? limits_.min : limits_.max;
     const std::string value = told_apart(worst.value, limit, Digits::significant, 6).first;
-    refuse(place_, worst.frame,
+    refuse(place_at(worst.frame), worst.frame,
            fmt::format("axis {} would go to {} {} at frame {:.2f}, outside {} of the rig {}",
                        in_quotes(axis_.name), value, axis_.unit, worst.frame, range_in_words(limits_),
                        in_quotes(rig_.name)),
@@ -179,15 +179,24 @@ class AxisRefusals {
   void add_peak(const CheckedPeak& peak, std::string_view limit, std::string_view per) {
     if (!peak.is_exceeded()) return;
     const auto [value, most] = told_apart(peak.value, *peak.limit, Digits::significant, 6);
-    refuse(place_, peak.frame,
+    refuse(place_at(peak.frame), peak.frame,
            fmt::format(
                "axis {} would reach {} {}{} at frame {:.2f}, and {} {} {} {}{}", in_quotes(axis_.name), value,
                axis_.unit, per, peak.frame, limit,
                limits_.backlash && !limits_.calibration ? "leaves beside the take-up of the backlash" : "is",
                most, axis_.unit, per),
-           track_.timing == Timing::speed ? "give the move more frames, or draw a flatter speed curve there"
-                                          : "give the move more frames there",
+           track_.table                     ? "bake the rows slower there, on more frames"
+           : track_.timing == Timing::speed ? "give the move more frames, or draw a flatter speed curve there"
+                                            : "give the move more frames there",
            true);
+  }
+  /// Where the axis is named, or the row of a table on that frame or before it.
+  [[nodiscard]] Place place_at(double frame) const {
+    if (!track_.table) return place_;
+    const std::vector<std::int32_t>& frames = track_.table->frames;
+    const auto behind = std::ranges::upper_bound(frames, frame);
+    return track_.table->place_of(
+        static_cast<std::size_t>(std::max<std::ptrdiff_t>(behind - frames.begin(), 1) - 1));
   }
 
   [[nodiscard]] static bool is_start(const CheckedStep& step) { return step.frame <= 0; }
@@ -350,7 +359,8 @@ void refuse_roll(const Plan& plan, const RollObstacle& obstacle, CheckReport& re
     return;
   }
   const std::string remedy =
-      track.timing == Timing::speed
+      track.table ? fmt::format("{} the table with two equal rows, at rest", starts ? "begin" : "end")
+      : track.timing == Timing::speed
           ? fmt::format("{} the speed curve with 0, 0, at rest{}", starts ? "begin" : "end",
                         room ? ", or give the move more frames" : ", or move the key inward")
           : std::string(room ? "give the move more frames" : "move the key inward");

@@ -308,6 +308,17 @@ TEST(TableTrack, ARowOutsideTheRigIsToldByItsLineAndWhatASplineAddsByItsFrame) {
   EXPECT_THAT(report.refusals.front().message(), HasSubstr("move its rows there inward by"));
 }
 
+TEST(TableTrack, WhatIsTooFastIsToldByTheRowBeforeIt) {
+  const std::string slow = rig_text({{.name = "neck", .max_velocity = 65, .max_acceleration = 4000},
+                                     {.name = "nod", .max_acceleration = 4000}});
+  const CheckReport report = check(planned_on(slow));
+  ASSERT_FALSE(report.fits());
+  // From frame 3 to 4 the neck goes up by 3.
+  EXPECT_EQ(report.refusals.front().place.file, "rows.csv");
+  EXPECT_EQ(report.refusals.front().place.line, 5U) << report.refusals.front().message();
+  EXPECT_THAT(report.refusals.front().message(), HasSubstr("; bake the rows slower there, on more frames"));
+}
+
 TEST(TableTrack, OtherFramesAreNotTried) {
   EXPECT_THAT(why_frames_are_fixed(parsed(rows)).value_or(""),
               HasSubstr("rows of a table are on the frames"));
