@@ -130,7 +130,7 @@ std::vector<double> periodic_moments(const SplineRun& run) {
   return moments;
 }
 
-std::vector<Cubic> cubics_of(const SplineRun& run, const std::vector<double>& moments) {
+std::vector<Cubic> cubics_with(const SplineRun& run, const std::vector<double>& moments) {
   std::vector<Cubic> cubics;
   cubics.reserve(run.steps.size());
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
@@ -145,12 +145,12 @@ std::vector<Cubic> cubics_of(const SplineRun& run, const std::vector<double>& mo
 }  // namespace
 
 std::vector<Cubic> spline_through(const SplineRun& run) {
-  if (run.periodic) return cubics_of(run, periodic_moments(run));
+  if (run.periodic) return cubics_with(run, periodic_moments(run));
   OpenRun open(run);
   const std::vector<double> moments = open_moments(open);
   std::vector<double>& values = open.run.values;
   for (std::size_t k = 0; k < values.size(); ++k) values[k] += open.per_moment[k] * moments[k];
-  std::vector<Cubic> cubics = cubics_of(open.run, moments);
+  std::vector<Cubic> cubics = cubics_with(open.run, moments);
   // Beside a rest nothing is left of the derivatives, not even a rounding, which would ask for a roll.
   if (run.first_end == SplineEnd::rest) cubics.front() = {values[0], 0, 0, open.per_moment[1] * moments[1]};
   if (run.last_end == SplineEnd::rest) {
