@@ -254,8 +254,7 @@ void refuse_long_tables(const Plan& plan) {
         fmt::format("the table has {} on {}, and the page does not show one of more than {} rows, {} axes or "
                     "{} frames; check and play the move with inbetween check and inbetween run",
                     counted(static_cast<std::int64_t>(track.table->frames.size()), "row"),
-                    counted(plan.move().frames, "frame"), max_page_segments, max_page_axes,
-                    max_page_frames));
+                    counted(plan.move().frames, "frame"), max_page_segments, max_page_axes, max_page_frames));
   }
 }
 

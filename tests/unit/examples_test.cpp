@@ -27,22 +27,14 @@ const fs::path examples = in_checkout("examples");
 struct ForARig {
   std::string move, rig;
 };
-const std::vector<ForARig> for_rigs = {{"reveal", "camera_rig"},
-                                       {"reveal", "odrive_rig"},
-                                       {"reveal", "moteus_rig"},
-                                       {"reveal", "motor_rig"},
-                                       {"nod", "puppet_head"},
-                                       {"nod_once", "puppet_head"},
-                                       {"blink", "puppet_head"},
-                                       {"look_around", "puppet_head"},
-                                       {"jaw", "puppet_head"},
-                                       {"slide_and_pan", "slider_rig"},
-                                       {"track_and_focus", "mixed_rig"},
-                                       {"turntable", "turntable_rig"},
-                                       {"rack_focus", "gantry_rig"},
-                                       {"fish", "fish_rig"},
-                                       {"mouth", "mouth_rig"},
-                                       {"storyboard", "camera_rig"}};
+const std::vector<ForARig> for_rigs = {{"reveal", "camera_rig"},         {"reveal", "odrive_rig"},
+                                       {"reveal", "moteus_rig"},         {"reveal", "motor_rig"},
+                                       {"nod", "puppet_head"},           {"nod_once", "puppet_head"},
+                                       {"blink", "puppet_head"},         {"look_around", "puppet_head"},
+                                       {"jaw", "puppet_head"},           {"slide_and_pan", "slider_rig"},
+                                       {"track_and_focus", "mixed_rig"}, {"turntable", "turntable_rig"},
+                                       {"rack_focus", "gantry_rig"},     {"fish", "fish_rig"},
+                                       {"mouth", "mouth_rig"},           {"storyboard", "camera_rig"}};
 
 fs::path file(const std::string& name) {
   return examples / (name + ".toml");
