@@ -12,11 +12,11 @@ namespace {
 
 /// At the default delta a segment takes about 17 pieces; where more are needed the core tells how many.
 constexpr std::size_t usual_pieces_per_segment = 24;
-/// So many segments are the rows of a table, which are near to each other: each takes 10 pieces, and room for
-/// 24 would be 200 MB more for 100 000 rows.
+/// So many segments are the rows of a table, which are near to each other.
 constexpr std::size_t many_segments = 20'000;
-constexpr std::size_t usual_pieces_of_many =
-    12;  // 10 and a fifth: TableTrack.AHundredThousandRowsAreReadOneByOneAndProven
+/// Each of those takes 10 pieces (TableTrack.AHundredThousandRowsAreReadOneByOneAndProven has as many), and
+/// room for 24 would be 150 MB more for 100 000 rows.
+constexpr std::size_t usual_pieces_of_many = 12;
 /// A path over frames has so many beside a rest, and one with rounded corners.
 constexpr std::size_t max_segments_between_keys = 5;
 
