@@ -135,6 +135,7 @@ void read_table(const TomlTable& table, std::int32_t frames, const TextReader& r
       .file = path_beside(named), .frames = {}, .at = {}, .units = {}, .lines = {}, .place = named.place()};
   const std::string text = read(made.file, max_table_bytes);
   CsvReader reader(text, made.file);
+  reader.read_columns();
   TableRows rows(reader, track.units, track, frames, made);
   for (CsvRow row; reader.next(row);) rows.take(row);
   rows.finish();

@@ -13,34 +13,29 @@
 namespace inbetween {
 namespace {
 
-constexpr std::string_view blanks = " \t";
-
-std::string_view without_blanks(std::string_view field) {
+std::string_view without_blanks(std::string_view field, std::string_view blanks) {
   const std::size_t begin = field.find_first_not_of(blanks);
   if (begin == std::string_view::npos) return {};
   return field.substr(begin, field.find_last_not_of(blanks) - begin + 1);
 }
 
-/// Of the next comma or line end; the size of the text where there is none. Byte by byte: a field is short,
-/// and find_first_of() takes twice as long.
-std::size_t end_of_field(std::string_view text) {
-  std::size_t end = 0;
-  while (end < text.size() && text[end] != ',' && text[end] != '\n' && text[end] != '\r') ++end;
-  return end;
-}
-
 }  // namespace
 
-CsvReader::CsvReader(std::string_view text, const std::string& path) : rest_(text), path_(path) {
+CsvReader::CsvReader(std::string_view text, const std::string& path, char separator)
+    : rest_(text), path_(path), separator_(separator), blanks_(separator == '\t' ? " " : " \t") {
   if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+  begin_line(rest_.data());
+}
+
+void CsvReader::read_columns() {
   CsvRow first;
-  if (!take(first)) throw InputError({path, 0, 0}, "the file is empty; its first row names the columns");
+  if (!next(first)) throw InputError({path_, 0, 0}, "the file is empty; its first row names the columns");
   columns_ = std::move(first.fields);
 }
 
-bool CsvReader::next(CsvRow& row) {
-  if (!take(row)) return false;
-  if (row.fields.size() == columns_.size()) return true;
+bool CsvReader::next(CsvRow& row, std::size_t max_fields) {
+  if (!take(row, max_fields)) return false;
+  if (columns_.empty() || row.fields.size() == columns_.size()) return true;
   throw InputError(
       {path_, row.line, 0},
       fmt::format("the row has {}, and the first row names {}; write one field for each column, a decimal "
@@ -49,13 +44,20 @@ bool CsvReader::next(CsvRow& row) {
 }
 
 /// Whether there is another row. Its fields take the memory of those that `row` has.
-bool CsvReader::take(CsvRow& row) {
+bool CsvReader::take(CsvRow& row, std::size_t max_fields) {
   while (!rest_.empty()) {
     row.line = line_;
+    row.columns.clear();
     std::size_t count = 0;
     bool has_more = true;
     while (has_more) {
+      if (count == max_fields) {
+        throw InputError(
+            {path_, row.line, 0},
+            fmt::format("the row has more than {} fields; leave out what is not needed", max_fields));
+      }
       if (count == row.fields.size()) row.fields.emplace_back();
+      row.columns.push_back(column_of(rest_.data() + begin_of_field()));
       has_more = take_field(row, row.fields[count++]);
     }
     row.fields.resize(count);
@@ -64,30 +66,61 @@ bool CsvReader::take(CsvRow& row) {
   return false;
 }
 
+/// Of the next separator or line end; the size of the text where there is none. Byte by byte: a field is
+/// short, and find_first_of() takes twice as long.
+std::size_t CsvReader::end_of_field() const {
+  std::size_t end = 0;
+  while (end < rest_.size() && rest_[end] != separator_ && rest_[end] != '\n' && rest_[end] != '\r') ++end;
+  return end;
+}
+
+/// Of what is no blank; 0 where only blanks are left.
+std::size_t CsvReader::begin_of_field() const {
+  const std::size_t begin = rest_.find_first_not_of(blanks_);
+  return begin == std::string_view::npos ? 0 : begin;
+}
+
+void CsvReader::begin_line(const char* begin) {
+  counted_ = begin;
+  column_ = 1;
+}
+
+/// Every byte of a line is counted once, however many fields it has.
+std::uint32_t CsvReader::column_of(const char* place) {
+  for (; counted_ < place; ++counted_) {
+    const bool continues_a_character = (static_cast<unsigned char>(*counted_) & 0xc0U) == 0x80U;
+    if (!continues_a_character) ++column_;
+  }
+  return column_;
+}
+
 /// Whether another field follows in the row.
 bool CsvReader::take_field(const CsvRow& row, std::string& field) {
-  const std::size_t begin = rest_.find_first_not_of(blanks);
-  if (begin != std::string_view::npos && rest_[begin] == '"') {
+  const std::size_t begin = begin_of_field();
+  if (!rest_.empty() && rest_[begin] == '"') {
     rest_.remove_prefix(begin + 1);
     take_quoted(row.line, field);
     refuse_more_behind_quote();
-    rest_.remove_prefix(end_of_field(rest_));
+    rest_.remove_prefix(end_of_field());
   } else {
-    const std::size_t end = end_of_field(rest_);
-    field = without_blanks(rest_.substr(0, end));
+    const std::size_t end = end_of_field();
+    field = without_blanks(rest_.substr(0, end), blanks_);
     rest_.remove_prefix(end);
   }
   if (rest_.empty()) return false;
-  const bool is_comma = rest_.front() == ',';
+  const bool is_separator = rest_.front() == separator_;
   rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : 1);
-  if (!is_comma) ++line_;
-  return is_comma;
+  if (is_separator) return true;
+  ++line_;
+  begin_line(rest_.data());
+  return false;
 }
 
 void CsvReader::refuse_more_behind_quote() const {
-  const std::size_t next = rest_.find_first_not_of(blanks);
-  if (next == std::string_view::npos || end_of_field(rest_) == next) return;
-  throw InputError({path_, line_, 0}, "text stands behind a closing quote; write a comma between them");
+  const std::size_t next = rest_.find_first_not_of(blanks_);
+  if (next == std::string_view::npos || end_of_field() == next) return;
+  throw InputError({path_, line_, 0}, fmt::format("text stands behind a closing quote; write {} between them",
+                                                  separator_ == ',' ? "a comma" : "a separator"));
 }
 
 /// A quote within the field is written twice.
@@ -98,7 +131,11 @@ void CsvReader::take_quoted(std::uint32_t first_line, std::string& field) {
     if (end == std::string_view::npos) {
       throw InputError({path_, first_line, 0}, "a quote is not closed; close it, or remove it");
     }
-    for (const char c : rest_.substr(0, end)) line_ += c == '\n' ? 1 : 0;
+    for (std::size_t i = 0; i < end; ++i) {
+      if (rest_[i] != '\n') continue;
+      ++line_;
+      begin_line(rest_.data() + i + 1);
+    }
     field += rest_.substr(0, end);
     rest_.remove_prefix(end + 1);
     if (!rest_.starts_with('"')) return;
@@ -109,6 +146,7 @@ void CsvReader::take_quoted(std::uint32_t first_line, std::string& field) {
 
 CsvTable parse_csv(std::string_view text, const std::string& path) {
   CsvReader reader(text, path);
+  reader.read_columns();
   CsvTable table{.path = path, .columns = reader.columns(), .rows = {}};
   for (CsvRow row; reader.next(row);) table.rows.push_back(row);
   return table;
