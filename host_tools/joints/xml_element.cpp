@@ -115,7 +115,8 @@ struct XmlReading {
     open.push_back(nodes.size());
     XmlNode& node = nodes.emplace_back(XmlNode{.name = name, .line = line(), .attributes = {}});
     std::uint32_t line = node.line;
-    std::size_t at = static_cast<std::size_t>(XML_GetCurrentByteIndex(parser)) + 1 + node.name.size();
+    node.begin = static_cast<std::size_t>(XML_GetCurrentByteIndex(parser));
+    std::size_t at = node.begin + 1 + node.name.size();
     const auto go_to = [&](std::size_t next) {
       line += static_cast<std::uint32_t>(std::ranges::count(text.substr(at, next - at), '\n'));
       at = next;
@@ -129,6 +130,8 @@ struct XmlReading {
   }
 
   void end() {
+    nodes[open.back()].end = static_cast<std::size_t>(XML_GetCurrentByteIndex(parser)) +
+                             static_cast<std::size_t>(XML_GetCurrentByteCount(parser));
     nodes[open.back()].size = std::ssize(nodes) - static_cast<std::ptrdiff_t>(open.back());
     open.pop_back();
   }

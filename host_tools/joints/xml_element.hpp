@@ -26,7 +26,8 @@ struct XmlNode {
   std::string name;
   std::uint32_t line = 0;
   std::vector<XmlAttribute> attributes;
-  std::ptrdiff_t size = 0;  // itself and all within
+  std::ptrdiff_t size = 0;         // itself and all within
+  std::size_t begin = 0, end = 0;  // its bytes in the text of the document
 };
 
 /// Words of other programs in a file.
@@ -56,6 +57,13 @@ class XmlElement {
   /// The same of the elements within.
   void allow_children(std::span<const std::string_view> read, PassedOver& passed,
                       std::span<const std::string_view> unread) const;
+
+  /// All of them, in the order of the file.
+  [[nodiscard]] std::span<const XmlAttribute> attributes() const { return node_->attributes; }
+  /// The element as it stands in the text that its document was made of.
+  [[nodiscard]] std::string_view written_in(std::string_view text) const {
+    return text.substr(node_->begin, node_->end - node_->begin);
+  }
 
   /// The digits behind the point of a number; 0 where the attribute is not there, or has an exponent.
   [[nodiscard]] int decimals(std::string_view attribute) const;
