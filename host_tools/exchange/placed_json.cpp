@@ -107,15 +107,15 @@ struct JsonEvents {
   bool end_object() { return end(); }
   bool start_array(std::size_t) { return begin(JsonKind::array); }
   bool end_array() { return end(); }
-  bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception&) const {
+  /// Python writes NaN and Infinity as numbers, which JSON has not.
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception&) const {
     const std::size_t at = std::min(position > 0 ? position - 1 : 0, document.text_.size());
-    const bool is_none = token.find('N') != std::string::npos || token.find('I') != std::string::npos;
-    throw InputError(document.place_of(at),
-                     is_none
-                         ? fmt::format("{} is no number of JSON; have the program that wrote NaN or Infinity "
-                                       "correct this frame",
-                                       in_quotes(token))
-                         : std::string("this is not JSON; correct it here, or write the file again"));
+    const char found = at < document.text_.size() ? document.text_[at] : ' ';
+    throw InputError(
+        document.place_of(at),
+        found == 'N' || found == 'I'
+            ? "this is no number of JSON; have the program that wrote NaN or Infinity correct this frame"
+            : "this is not JSON; correct it here, or write the file again");
   }
 };
 

@@ -90,6 +90,7 @@ class TableCsvReader {
     const bool is_named = has_names(*first);
     for (std::size_t i = 0; i < first->fields.size(); ++i) take_name(*first, i, is_named);
     table_.has_names = is_named;
+    if (table_.columns.empty()) check_table(table_);  // says so
     if (!is_named) take(*first);
     while (const std::optional<CsvRow> row = next()) take(*row);
     // Each may be off by half of its last digit.
@@ -122,7 +123,7 @@ class TableCsvReader {
       if (is_frame(field) || is_seconds(field)) return true;
       std::string word = field;
       if (reading_.has_decimal_commas) std::ranges::replace(word, ',', '.');
-      numbers += is_number_word(word) ? 1 : 0;
+      if (is_number_word(word)) ++numbers;
     }
     if (numbers == 0 || numbers == row.fields.size()) return numbers == 0;
     throw InputError({table_.file, row.line, 0},
