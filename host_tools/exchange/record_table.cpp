@@ -93,14 +93,18 @@ class RecordReader {
 
   void take(const CsvRow& row) {
     if (row.fields.size() != fields_) {
-      throw InputError({table_.file, row.line, 0},
-                       fmt::format("the row has {}, and the first row has {}; the record is damaged here",
-                                   counted(std::ssize(row.fields), "field"), fields_));
+      throw InputError(
+          {table_.file, row.line, 0},
+          fmt::format(
+              "the row has {}, and the first row has {}; record it again, or leave the rows from here out",
+              counted(std::ssize(row.fields), "field"), fields_));
     }
     const std::int64_t tick = table_whole_number(row.fields[0], place_of(row, 0), 0, max_record_ticks);
     const double seconds = table_number(row.fields[1], place_of(row, 1));
     if (!(seconds >= 0 && seconds <= max_record_seconds)) {
-      throw InputError(place_of(row, 1), fmt::format("{} s are no time of a record", row.fields[1]));
+      throw InputError(
+          place_of(row, 1),
+          fmt::format("{} s are no time of a record; name one as it was written", row.fields[1]));
     }
     rate_.take(tick, seconds, {table_.file, row.line, 0});
     const bool is_played = !row.fields[3].empty();

@@ -143,6 +143,10 @@ class TableCsvReader {
       seconds_ = field;
     } else if (is_named) {
       NameAndUnit read = name_and_unit(name, place_of(row, field));
+      if (read.name.empty()) {
+        throw InputError(place_of(row, field),
+                         fmt::format("{} is a unit and no name; write the axis before it", in_quotes(name)));
+      }
       table_.columns.push_back({.name = std::move(read.name), .unit = read.unit});
     } else {
       table_.columns.push_back({.name = fmt::format("column {}", field + 1)});

@@ -105,6 +105,7 @@ TEST(ExchangeCsv, AWrongShapeIsRefusedAtItsLine) {
   EXPECT_THAT(refusal("frame,x,frame\n1,0,1\n"), HasSubstr("a.csv:1:9: error: column 1 says already"));
   EXPECT_THAT(refusal("frame,,x\n1,0,1\n"), HasSubstr("a.csv:1:7: error: column 2 has no name"));
   EXPECT_THAT(refusal("frame,x [furlong]\n1,0\n"), HasSubstr("a.csv:1:7: error: \"furlong\" is no unit"));
+  EXPECT_THAT(refusal("frame,[deg]\n1,0\n"), HasSubstr("a.csv:1:7: error: \"[deg]\" is a unit and no name"));
   EXPECT_THAT(refusal("0.5,nan,x\n1,2,3\n"), HasSubstr("names and numbers"));
   EXPECT_THAT(refusal("1;0,5\n2;0,7\n"), HasSubstr("more than one of comma, semicolon and tab"));
   EXPECT_THAT(refusal("frame,\"x\n1,0\n"), HasSubstr("quote is not closed"));

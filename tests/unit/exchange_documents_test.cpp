@@ -170,6 +170,8 @@ TEST(ExchangeArc, OnlyChildrenOfTheSceneAreAxesAndEverythingComesBack) {
            "    <scen:more a='1'>x &amp; y</scen:more>\n  </scen:axis>");
   const std::string back = write_arc_scene(read_arc_scene(odd, "a.arcm"), 0);
   EXPECT_EQ(back, odd);
+  EXPECT_EQ(write_arc_scene(read_arc_scene("\xEF\xBB\xBF" + odd, "a.arcm"), 0), odd)
+      << "with a byte order mark";
 }
 
 TEST(ExchangeArc, ASceneBecomesARigThatAsksForWhatItDoesNotSay) {
