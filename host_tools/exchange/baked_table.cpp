@@ -20,9 +20,10 @@ void ask_of_columns(const BakedTable& table, std::vector<TableQuestion>& questio
   }
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     if (!table.columns[i].is_in_counts) continue;
-    questions.push_back({TableAsks::count, i,
-                         fmt::format("which count of {} is the 0 of its axis, and how far is it to the next?",
-                                     in_quotes(table.columns[i].name))});
+    questions.push_back(
+        {TableAsks::count, i,
+         fmt::format("which count of {} is the 0 of its axis, how far is it to the next, and in what unit?",
+                     in_quotes(table.columns[i].name))});
   }
 }
 

@@ -53,6 +53,15 @@ BakedColumn answered(const BakedColumn& column, const ColumnAnswer& answer, cons
                                  in_quotes(column.name), to_string(*column.unit), to_string(*answer.unit)));
   }
   if (answer.unit) result.unit = answer.unit;
+  if (answer.is_reversed) {
+    if (column.is_in_counts) {
+      throw InputError({file},
+                       fmt::format("{} has counts; where they run backwards, say how far a count is with a "
+                                   "minus",
+                                   in_quotes(column.name)));
+    }
+    for (double& value : result.values) value = 0 - value;  // and 0 stays 0
+  }
   if (!column.is_in_counts) {
     if (!answer.count) return result;
     throw InputError({file}, fmt::format("{} has positions and no counts; leave out what a count is",

@@ -17,6 +17,7 @@ struct ColumnAnswer {
   std::optional<MoveUnit> unit = {};  // in which it counts, or, where it has counts, its axis
   std::optional<double> count = {};   // how far a count is, in `unit`; negative where they run backwards
   double zero = 0;                    // the count at which the axis is at 0
+  bool is_reversed = false;  // the axis goes the other way: y of a file with z up is -z of one with y up
 };
 
 struct TableAnswers {

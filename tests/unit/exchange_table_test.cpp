@@ -66,6 +66,11 @@ TEST(ExchangeTable, ATableIsCompleteWhenAllIsAnswered) {
                                             .up = UpAxis::y,
                                             .rotation_order = "ZXY",
                                             .phase = ShutterPhase::frame_boundary});
+  const BakedTable turned = answered_table(read("frame,z [m]\n1,0\n2,1.5\n", "a.csv"),
+                                           {.fps = FrameRate{24, 1},
+                                            .columns = {{.column = "z", .axis = "y", .is_reversed = true}},
+                                            .phase = ShutterPhase::frame_boundary});
+  EXPECT_THAT(turned.columns[0].values, ElementsAre(0, -1.5));
   EXPECT_EQ(camera.rotation_order, "zxy");
   EXPECT_EQ(camera.warnings.size(), 5U) << "each column that is left out is told";
 }
@@ -87,6 +92,11 @@ TEST(ExchangeTable, NothingIsGuessedAndNothingIsContradicted) {
               HasSubstr("no order of rotations"));
   EXPECT_THAT(answer(rows, {.columns = {{.column = "column 1", .axis = "x", .count = 2}}}),
               HasSubstr("no counts"));
+  EXPECT_THAT(refusal([] {
+                answered_table(read(servos, "a.json"),
+                               {.columns = {{.column = "Pan", .axis = "p", .is_reversed = true}}});
+              }),
+              HasSubstr("with a minus"));
   const BakedTable units = read("frame,x [mm]\n1,0\n2,1\n", "a.csv");
   EXPECT_THAT(answer(units, {.columns = {{.column = "x", .axis = "x", .unit = MoveUnit::m}}}),
               HasSubstr("counts in mm, and m was given"));
