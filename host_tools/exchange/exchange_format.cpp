@@ -71,7 +71,9 @@ bool may_be_chan(const Beginning& beginning) {
     const auto words = words_of(line.text, max_table_columns);
     if (!words || (words->size() != 7 && words->size() != 8)) return false;
     const std::string_view word = words->front().text;
-    if (word.find('.') != word.npos || !is_number_word(word)) return false;
+    constexpr std::size_t max_digits = 9;  // of a frame
+    const bool is_whole = word.size() <= max_digits && word.find_first_not_of("+-0123456789") == word.npos;
+    if (!is_whole || !is_number_word(word)) return false;
     frames.push_back(table_number(word, {}));
   }
   return frames.size() == 2 && frames[1] == frames[0] + 1;

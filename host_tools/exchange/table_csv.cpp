@@ -279,7 +279,7 @@ void check_csv_name(const BakedTable& table, const BakedColumn& column) {
 }  // namespace
 
 bool is_number_word(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
   double number = 0;
   const auto [stopped, error] = std::from_chars(word.data(), word.data() + word.size(), number);
   return error != std::errc::invalid_argument && stopped == word.data() + word.size();

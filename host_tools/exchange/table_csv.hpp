@@ -30,7 +30,7 @@ BakedTable read_table_csv(std::string_view text, const std::string& file, const 
 /// the table cannot be written, or a name would be read as a unit, a number or the frame.
 std::string write_table_csv(const BakedTable& table, const TableWriting& writing = {});
 
-/// Whether only numbers stand in the first row of such a text.
+/// Whether somebody meant a number with it, also one that is refused: NaN, 1e999.
 bool is_number_word(std::string_view word);
 
 }  // namespace inbetween

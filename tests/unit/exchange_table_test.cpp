@@ -138,6 +138,7 @@ TEST(ExchangeTable, AFormatIsTakenWhereExtensionAndContentAgree) {
   EXPECT_EQ(format("a.csv", "frame,x\n1,2\n"), csv);
   EXPECT_EQ(format("a.csv", "tick,seconds,state,frame,x,x actual\n"), record);
   EXPECT_EQ(format("a.json", servos), servo_json);
+  EXPECT_EQ(format("a.txt", "1e3081 0 0 0 0 0 0\n2 0 0 0 0 0 0\n"), raw_move) << "found by the fuzzer";
   const std::string scene = "<s:scene xmlns:s=\"http://caliri.com/motion/scene\">";
   EXPECT_EQ(format("a.arcx", scene), arc_scene);
   EXPECT_EQ(format("a.arcm", scene + "<s:controlPoints/>"), arc_move);
