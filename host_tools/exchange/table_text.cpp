@@ -151,22 +151,22 @@ void RowTaker::take(std::uint32_t line, const std::vector<TextWord>& words) {
 
 void take_bare_rows(TextLines& lines, std::string_view comment, BakedTable& table) {
   RowTaker rows(table);
-  std::optional<std::uint32_t> empty_line;
+  std::uint32_t empty_line = 0;  // the first one behind a row
   while (const std::optional<TextLine> line = lines.next()) {
     if (line->text.empty()) {
-      if (!empty_line) empty_line = line->number;
+      if (empty_line == 0) empty_line = line->number;
       continue;
     }
     if (!comment.empty() &&
         line->text.substr(line->text.find_first_not_of(table_blanks)).starts_with(comment)) {
       continue;
     }
-    if (empty_line && !table.lines.empty()) {
+    if (empty_line != 0 && !table.lines.empty()) {
       throw InputError(
-          {table.file, *empty_line, 0},
+          {table.file, empty_line, 0},
           "the line is empty, and rows follow it; write the frame that is missing, or remove the line");
     }
-    empty_line.reset();
+    empty_line = 0;
     const auto words = words_of(line->text, max_table_columns);
     if (!words) {
       throw InputError({table.file, line->number, 0},
