@@ -37,9 +37,9 @@ struct ArcAxis {
   std::vector<std::string> others = {};       // elements that mean nothing here, as they are written
   Place place = {};
 
-  [[nodiscard]] const std::string* attribute(std::string_view name) const;
+  [[nodiscard]] const std::string* attribute(std::string_view wanted) const;
   /// Throws InputError at the axis where it is there and no number.
-  [[nodiscard]] std::optional<double> number(std::string_view name) const;
+  [[nodiscard]] std::optional<double> number(std::string_view wanted) const;
 };
 
 struct ArcScene {

@@ -185,6 +185,7 @@ BakedTable read_flair_carts(std::string_view text, const std::string& file) {
 std::string write_flair_carts(const BakedTable& table, const TableWriting& writing) {
   check_written(table, writing);
   std::vector<const BakedColumn*> columns;
+  columns.reserve(flair_columns.size());
   for (const std::string_view name : flair_columns) {
     columns.push_back(&written_column(table, name, "a Flair file"));
   }
