@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/ini_sections.hpp"
 
 namespace inbetween {
@@ -31,6 +32,7 @@ class FlairReader {
     read_points();
     read_heading();
     for (std::int64_t i = 0; i < points_; ++i) read_row();
+    wrong_.refuse();
     if (const auto more = next(); more) {
       table_.warnings.push_back(
           {place_of(*more), fmt::format("what stands behind {} rows is not read; POINTS "
@@ -134,24 +136,29 @@ class FlairReader {
                                    "the rows that are missing",
                                    counted(static_cast<std::int64_t>(table_.rows()), "row"), points_));
     }
-    for (TextWord& word : line->words) {
+    wrong_.judge([&] { take_row(*line); }, [&] { keep_place_of_row(line->number, table_); });
+  }
+
+  void take_row(FlairLine& line) {
+    for (TextWord& word : line.words) {
       if (word.text.ends_with(',')) word.text.remove_suffix(1);
     }
-    if (line->words.size() != table_.columns.size() + 1) {
-      throw InputError({table_.file, line->number, 0},
+    if (line.words.size() != table_.columns.size() + 1) {
+      throw InputError({table_.file, line.number, 0},
                        fmt::format("the row has {}, and the heading names {}; write one for each column",
-                                   counted(static_cast<std::int64_t>(line->words.size()), "number"),
+                                   counted(static_cast<std::int64_t>(line.words.size()), "number"),
                                    table_.columns.size() + 1));
     }
-    const Place at_frame = place_of(*line, *frame_);
-    take_frame(table_whole_number(line->words[*frame_].text, at_frame, -max_table_frame, max_table_frame),
+    const Place at_frame = place_of(line, *frame_);
+    take_frame(table_whole_number(line.words[*frame_].text, at_frame, -max_table_frame, max_table_frame),
                at_frame, table_);
-    line->words.erase(line->words.begin() + static_cast<std::ptrdiff_t>(*frame_));
-    RowTaker(table_).take(line->number, line->words);
+    line.words.erase(line.words.begin() + static_cast<std::ptrdiff_t>(*frame_));
+    RowTaker(table_).take(line.number, line.words);
   }
 
   TextLines lines_;
   BakedTable table_;
+  WrongRows wrong_{table_.file};
   MoveUnit unit_ = MoveUnit::cm;
   std::int64_t points_ = 0;
   std::optional<std::size_t> frame_ = {};

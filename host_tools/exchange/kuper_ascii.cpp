@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/ini_sections.hpp"
 
 namespace inbetween {
@@ -62,9 +63,12 @@ BakedTable read_kuper_ascii(std::string_view text, const std::string& file) {
   if (!line) throw InputError({file}, "the file is empty; " + std::string(kuper_head));
   take_kuper_names(*line, table);
   RowTaker rows(table);
+  WrongRows wrong(file);
   while ((line = lines.next())) {
-    if (!line->text.empty()) take_kuper_row(*line, rows, table);
+    if (line->text.empty()) continue;
+    wrong.judge([&] { take_kuper_row(*line, rows, table); }, [&] { keep_place_of_row(line->number, table); });
   }
+  wrong.refuse();
   check_table(table);
   return table;
 }

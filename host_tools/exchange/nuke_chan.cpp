@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/ini_sections.hpp"
 
 namespace inbetween {
@@ -35,6 +36,7 @@ BakedTable read_nuke_chan(std::string_view text, const std::string& file) {
   table.has_euler_angles = true;
   TextLines lines(text, file);
   RowTaker rows(table);
+  WrongRows wrong(file);
   while (const std::optional<TextLine> line = lines.next()) {
     auto words = words_of(line->text, max_table_columns);
     const Place place{file, line->number, 0};
@@ -42,11 +44,15 @@ BakedTable read_nuke_chan(std::string_view text, const std::string& file) {
     if (!words || table.columns.empty())
       begin_chan_columns(words ? words->size() : max_table_columns, place, table);
     const Place at_frame{file, line->number, words->front().column};
-    take_frame(table_whole_number(words->front().text, at_frame, -max_table_frame, max_table_frame), at_frame,
-               table);
-    words->erase(words->begin());
-    rows.take(line->number, *words);
+    const auto take = [&] {
+      take_frame(table_whole_number(words->front().text, at_frame, -max_table_frame, max_table_frame),
+                 at_frame, table);
+      words->erase(words->begin());
+      rows.take(line->number, *words);
+    };
+    wrong.judge(take, [&] { keep_place_of_row(line->number, table); });
   }
+  wrong.refuse();
   check_table(table);
   return table;
 }

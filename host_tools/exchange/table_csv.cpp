@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/csv_table.hpp"
 #include "host_tools/text/ini_sections.hpp"
 
@@ -92,7 +93,10 @@ class TableCsvReader {
     table_.has_names = is_named;
     if (table_.columns.empty()) check_table(table_);  // says so
     if (!is_named) take(*first);
-    while (const std::optional<CsvRow> row = next()) take(*row);
+    WrongRows wrong(table_.file);
+    while (const std::optional<CsvRow> row = next())
+      wrong.judge([&] { take(*row); }, [&] { keep_place_of_row(row->line, table_); });
+    wrong.refuse();
     // Each may be off by half of its last digit.
     table_.seconds_rounding = seconds_decimals_ ? 0.5 * std::pow(10.0, -*seconds_decimals_) : 0;
     check_table(table_);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/ini_sections.hpp"
 #include "host_tools/text/toml_source.hpp"
 #include "host_tools/text/toml_value.hpp"
@@ -115,11 +116,19 @@ void take_frame(std::int64_t frame, const Place& place, BakedTable& table) {
   if (!table.first_frame) table.first_frame = frame;
   const std::int64_t expected = *table.first_frame + static_cast<std::int64_t>(table.rows());
   if (frame == expected) return;
+  table.first_frame = frame - static_cast<std::int64_t>(table.rows());  // the rows behind go on from here
   throw InputError(
       place,
       frame > expected
           ? fmt::format("frame {} follows frame {}; write the frames between them", frame, expected - 1)
           : fmt::format("frame {} follows frame {}; sort the rows, each frame once", frame, expected - 1));
+}
+
+void keep_place_of_row(std::uint32_t line, BakedTable& table) {
+  table.lines.push_back(line);
+  const std::size_t rows = table.lines.size();
+  for (BakedColumn& column : table.columns) column.values.resize(rows, 0);
+  if (!table.seconds.empty()) table.seconds.resize(rows, table.seconds.back());
 }
 
 void RowTaker::name_columns(std::size_t count) {
@@ -151,6 +160,7 @@ void RowTaker::take(std::uint32_t line, const std::vector<TextWord>& words) {
 
 void take_bare_rows(TextLines& lines, std::string_view comment, BakedTable& table) {
   RowTaker rows(table);
+  WrongRows wrong(table.file);
   std::uint32_t empty_line = 0;  // the first one behind a row
   while (const std::optional<TextLine> line = lines.next()) {
     if (line->text.empty()) {
@@ -174,8 +184,9 @@ void take_bare_rows(TextLines& lines, std::string_view comment, BakedTable& tabl
                                    max_table_columns));
     }
     if (table.columns.empty()) rows.name_columns(words->size());
-    rows.take(line->number, *words);
+    wrong.judge([&] { rows.take(line->number, *words); }, [&] { keep_place_of_row(line->number, table); });
   }
+  wrong.refuse();
 }
 
 std::string fixed_number(double value, std::int32_t decimals) {

@@ -57,6 +57,9 @@ std::optional<std::int32_t> decimals_of(std::string_view word);
 /// A column has as many as the row with the most; nothing once a number had an exponent.
 void take_decimals(std::string_view word, bool is_first, BakedColumn& column);
 
+/// A row that is wrong takes its place all the same: those behind it are judged by themselves.
+void keep_place_of_row(std::uint32_t line, BakedTable& table);
+
 /// Takes the number of the frame of the next row: the first one, or one more than the row before has. Throws
 /// InputError at `place` where frames are missing, or come again.
 void take_frame(std::int64_t frame, const Place& place, BakedTable& table);
