@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host_tools/exchange/toml_text.hpp"
+
 namespace inbetween {
 namespace {
 
@@ -73,16 +75,6 @@ ArcAxis arc_axis_of(const BakedColumn& column, std::int64_t first_frame, const s
       axis.controls.push_back({.frame = frame + 1.0 / 3, .value = values[row] + third});
   }
   return axis;
-}
-
-/// As TOML has it: what JSON escapes is escaped there too.
-std::string toml_quoted(std::string_view text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + "\"";
 }
 
 std::string rig_axis_text(const ArcAxis& axis) {
