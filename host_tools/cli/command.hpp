@@ -67,6 +67,8 @@ void add_home_command(CLI::App& program, Command& chosen);
 void add_jog_command(CLI::App& program, Command& chosen);
 void add_plot_command(CLI::App& program, Command& chosen);
 void add_takes_command(CLI::App& program, Command& chosen);
+void add_import_command(CLI::App& program, Command& chosen);
+void add_export_command(CLI::App& program, Command& chosen);
 void add_sim_drives_command(CLI::App& program, Command& chosen);
 void add_doctor_command(CLI::App& program, Command& chosen);
 void add_budget_command(CLI::App& program, Command& chosen);

@@ -100,6 +100,8 @@ void add_commands(CLI::App& app, Command& chosen, std::string_view named, const 
       Named{"jog", add_jog_command},
       Named{"plot", add_plot_command},
       Named{"takes", add_takes_command},
+      Named{"import", add_import_command},
+      Named{"export", add_export_command},
       Named{"sim-drives", add_sim_drives_command},
       Named{"doctor", add_doctor_command},
       Named{"budget", add_budget_command},

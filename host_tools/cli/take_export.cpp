@@ -41,6 +41,26 @@ class ShownFrame {
   FrameTime last_;
 };
 
+/// The lines of a record; after each `written` may take what is there.
+template <class Written>
+std::string record_text(TakeStore& store, const Take& take, const Written& written) {
+  std::vector<std::string> names;
+  for (const TakeAxis& axis : take.axes) names.push_back(axis.name);
+  ShownFrame frame(take);
+  std::string text = head_of_record(names);
+  store.read_ticks(take, [&](const TakeTick& tick) {
+    put_recorded({.number = tick.number,
+                  .state = tick.state,
+                  .frame = frame.of(tick),
+                  .told = tick.told,
+                  .actual = tick.actual},
+                 1.0 / take.rate_hz, text);
+    written(text);
+    return true;
+  });
+  return text;
+}
+
 /// Solved again from the texts that were kept.
 Plan plan_of_take(const Take& take) {
   const TakeFile& move = file_of(take, TakeFile::Role::move);
@@ -59,26 +79,19 @@ Plan plan_of_take(const Take& take) {
 
 void export_take_csv(TakeStore& store, std::int64_t number, const std::string& file) {
   const Take take = store.read_head(number);
-  std::vector<std::string> names;
-  for (const TakeAxis& axis : take.axes) names.push_back(axis.name);
-  ShownFrame frame(take);
   write_output(file, [&](std::FILE* out) {
-    std::string text = head_of_record(names);
     constexpr std::size_t bytes_a_write = 1 << 16;
-    store.read_ticks(take, [&](const TakeTick& tick) {
-      put_recorded({.number = tick.number,
-                    .state = tick.state,
-                    .frame = frame.of(tick),
-                    .told = tick.told,
-                    .actual = tick.actual},
-                   1.0 / take.rate_hz, text);
-      if (text.size() < bytes_a_write) return true;
+    std::string rest = record_text(store, take, [&](std::string& text) {
+      if (text.size() < bytes_a_write) return;
       std::fputs(text.c_str(), out);
       text.clear();
-      return true;
     });
-    std::fputs(text.c_str(), out);
+    std::fputs(rest.c_str(), out);
   });
+}
+
+std::string record_of_take(TakeStore& store, std::int64_t number) {
+  return record_text(store, store.read_head(number), [](std::string&) {});
 }
 
 void export_take_trajectory(TakeStore& store, std::int64_t number, const std::string& file) {

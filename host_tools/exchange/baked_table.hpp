@@ -21,7 +21,7 @@ namespace inbetween {
 inline constexpr std::size_t max_table_rows = 1'000'001;
 inline constexpr std::size_t max_table_columns = 256;
 /// Of a file of rows; all of its numbers then take 256 MiB at most.
-inline constexpr std::size_t max_table_bytes = std::size_t{64} << 20U;
+inline constexpr std::size_t max_baked_bytes = std::size_t{64} << 20U;
 /// The frame numbers of a file, in either direction from 0.
 inline constexpr std::int64_t max_table_frame = 100'000'000;
 

@@ -91,7 +91,7 @@ std::vector<MappedColumn> mapped_columns(const BakedTable& table, const RigFile&
     }
     const bool is_taken = std::ranges::find(said.axes, column.name, &AxisWord::axis) != said.axes.end();
     if (table.has_names && !is_taken) one.axis = axis_of_rig(rig, column.name);
-    one.is_left_out = one.axis == nullptr && !said.axes.empty();
+    one.is_left_out = one.axis == nullptr && said.leaves_others_out;
   }
   return mapped;
 }

@@ -17,6 +17,7 @@ namespace inbetween {
 struct ImportSaid {
   std::optional<FrameRate> fps = {};
   std::vector<AxisWord> axes = {};
+  bool leaves_others_out = false;  // columns without an axis of their name
   std::vector<UnitWord> units = {};
   std::vector<CountWord> counts = {};
   std::optional<UpAxis> up = {};
@@ -32,8 +33,8 @@ struct OpenQuestion {
   std::string suggestion = {};  // what somebody probably answers, to be agreed to; empty where nobody knows
 };
 
-/// What nobody has said: a column goes by itself to the axis of exactly its name; once an axis was named for
-/// any column, those without one are left out. Of a column without an axis the unit is not asked yet. Throws
+/// What nobody has said: a column goes by itself to the axis of exactly its name. Of a column without an axis
+/// the unit is not asked yet. Throws
 /// InputError at the file where an axis or a column that was named is not there, or a plain unit is given
 /// twice for what it fits.
 std::vector<OpenQuestion> open_questions(const BakedTable& table, const RigFile& rig, const ImportSaid& said);

@@ -40,9 +40,9 @@ std::string fault_of_number(std::string_view word) {
 }  // namespace
 
 TextLines::TextLines(std::string_view text, const std::string& file) : rest_(text) {
-  if (text.size() > max_table_bytes) {
+  if (text.size() > max_baked_bytes) {
     throw InputError({file}, fmt::format("the file has {} bytes; write it in parts of at most {}",
-                                         text.size(), max_table_bytes));
+                                         text.size(), max_baked_bytes));
   }
   if (text.find('\0') != text.npos) {
     throw InputError({file}, "the file has bytes that are zero, as no text in UTF-8 has; save it as UTF-8");

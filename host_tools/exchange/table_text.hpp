@@ -30,7 +30,7 @@ struct TextWord {
 /// Takes the lines of a text one by one: they end with LF, CRLF or CR. Refers to the text.
 class TextLines {
  public:
-  /// A byte order mark is passed over. Throws InputError at the file where it has more than max_table_bytes
+  /// A byte order mark is passed over. Throws InputError at the file where it has more than max_baked_bytes
   /// bytes, and where one of them is 0 (UTF-16, or no text at all).
   TextLines(std::string_view text, const std::string& file);
   /// Nothing behind the last line.

@@ -101,22 +101,25 @@ std::string open_line(std::string_view field, std::string_view why, const UrdfJo
 
 std::string range_lines(const UrdfJoint& joint, const SimulatedUnit& unit, UrdfRig& rig) {
   if (!joint.limit) {
-    return open_line("min", "the joint turns without end; say how far this axis may go", joint, rig) +
-           open_line("max", "as above", joint, rig);
+    const std::string min =
+        open_line("min", "the joint turns without end; how far may this axis go?", joint, rig);
+    return min + open_line("max", "as above", joint, rig);
   }
   const UrdfLimit& limit = *joint.limit;
   std::string text;
   if (!(limit.lower < limit.upper)) {
     const std::string why =
         fmt::format("the file has {} for both ends, line {}", limit.lower, limit.place.line);
-    return open_line("min", why, joint, rig) + open_line("max", why, joint, rig);
+    const std::string min = open_line("min", why, joint, rig);
+    return min + open_line("max", why, joint, rig);
   }
   const auto line = [&](std::string_view field, double end, Rounding rounding) {
     if (std::fabs(end) > max_angle)
       return open_line(field, fmt::format("the file has {:g}, which is no end", end), joint, rig);
     return fmt::format("{} = {}\n", field, rounded_word(end * unit.per_base, unit.decimals, rounding));
   };
-  return line("min", limit.lower, Rounding::up) + line("max", limit.upper, Rounding::down);
+  const std::string min = line("min", limit.lower, Rounding::up);
+  return min + line("max", limit.upper, Rounding::down);
 }
 
 std::string speed_lines(const UrdfJoint& joint, const SimulatedUnit& unit, const UrdfRigChoices& choices,

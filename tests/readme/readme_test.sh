@@ -53,7 +53,7 @@ run_line() {
   if ((status == 3)) && [[ ${words[1]} == check ]] && grep --quiet ' would do' output; then return; fi
   ((status == 0)) || { failed "status $status of: $1"; cat output; return; }
   for ((option = 1; option < ${#words[@]} - 1; ++option)); do
-    [[ ! ${words[option]} =~ ^--(plot|csv|json)$ || ${words[option + 1]} == - || -s ${words[option + 1]} ]] ||
+    [[ ! ${words[option]} =~ ^--(plot|csv|json|to)$ || ${words[option + 1]} == - || -s ${words[option + 1]} ]] ||
       failed "wrote no ${words[option + 1]}: $1"
   done
 }

@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_tools/cli/command.hpp"
+#include "host_tools/cli/exchange_arguments.hpp"
+#include "host_tools/cli/take_arguments.hpp"
+#include "host_tools/cli/take_table.hpp"
+#include "host_tools/exchange/export_choices.hpp"
+#include "host_tools/exchange/plan_table.hpp"
+#include "host_tools/text/output_file.hpp"
+
+namespace inbetween {
+namespace {
+
+struct ExportArguments {
+  std::string from, to;
+  std::optional<std::string> rig, frames;
+  ExchangeArguments exchange;
+  std::optional<std::int32_t> decimals, turns;
+  bool has_rolls = false;
+};
+
+ExchangeFormat written_format(const ExportArguments& arguments, const ExchangeWords& words) {
+  if (words.format) return *words.format;
+  if (arguments.to == "-") throw UsageError("standard output has no ending; say the format with --format");
+  try {
+    return exchange_format_to_write(arguments.to);
+  } catch (const InputError& error) {
+    throw InputError(error.place(), error.message() + " with --format");
+  }
+}
+
+BakedTable exported_plan(const ExportArguments& arguments, const ExchangeWords& words) {
+  if (!arguments.rig) throw UsageError("--rig is required: in whose units the axes count");
+  if (arguments.exchange.is_measured) throw UsageError("--measured is for a take; add --take N");
+  const Plan plan = make_plan(arguments.from, arguments.rig, Solver::closed_form,
+                              {.turns = arguments.turns, .frames = frame_range_argument(arguments.frames)});
+  return table_of_plan(plan, {.fps = words.fps,
+                              .phase = words.phase.value_or(ShutterPhase::frame_boundary),
+                              .has_rolls = arguments.has_rolls});
+}
+
+BakedTable exported_take(const ExportArguments& arguments) {
+  const ExchangeArguments& exchange = arguments.exchange;
+  if (arguments.frames || arguments.turns || arguments.has_rolls || exchange.fps || exchange.phase) {
+    throw UsageError(
+        "a take has the frames, the rate and the phase that it was played with; leave out --frames, "
+        "--turns, --rolls, --fps and --phase");
+  }
+  TakeStore store(named_takes_file(arguments.from), TakeStore::Access::read);
+  return frames_of_take(store, *exchange.take,
+                        exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told);
+}
+
+int export_command(const ExportArguments& arguments) {
+  const ExchangeWords words = exchange_words_of(arguments.exchange);
+  const ExchangeFormat format = written_format(arguments, words);
+  const bool is_take = arguments.exchange.take.has_value();
+  refuse_outputs_in_one_place(
+      {{"MOVE", is_take ? named_takes_file(arguments.from) : arguments.from}, {"--rig", arguments.rig}},
+      {{"--to", arguments.to}});
+  refuse_to_overwrite(arguments.to, arguments.exchange.may_overwrite);
+  check_output(arguments.to);
+  const BakedTable table =
+      exported_table(is_take ? exported_take(arguments) : exported_plan(arguments, words),
+                     {.axes = words.axes, .units = words.units, .counts = words.counts, .up = words.up});
+  const std::string text = write_baked_table(format, table, arguments.decimals);
+  for (const Warning& warning : table.warnings) complain(to_string(warning));
+  write_output(arguments.to, [&](std::FILE* out) { std::fwrite(text.data(), 1, text.size(), out); });
+  std::FILE* const out = summary_stream(arguments.to == "-");
+  if (arguments.to != "-") {
+    fmt::print(out, "{}: {} of {}, {}\n", arguments.to,
+               counted(static_cast<std::int64_t>(table.rows()), "row"),
+               counted(std::ssize(table.columns), "column"), to_string(format));
+  }
+  for (const std::string& loss : losses_of(format, table, arguments.decimals))
+    fmt::print(out, "  {} has {}\n", to_string(format), loss);
+  fmt::print(out, "  the path, the keys and the speed curve are in the move only: keep it\n");
+  return 0;
+}
+
+constexpr char export_explanation[] =
+    R"(Writes what plays, a row a frame and a column an axis, for another program: CSV, Dragonframe Raw Move (.txt with
+--format raw-move) and .arcm, Kuper ASCII, Flair CARTS_RAW, Maya .mov, Nuke .chan, the JSON of
+blender-servo-animation. The ending of the file tells the format where only one has it. Each line behind the summary
+is something that the format does not hold: the other program has to be told.
+
+Every axis that is in a track is a column of its name, in its unit, on every frame, from frame 0 to the end.
+--axis COLUMN=AXIS names columns otherwise and chooses them, --unit converts, --count writes counts of servos:
+what import takes is written with the same options. --fps takes another rate, --phase centre puts each row half a
+row later, in the middle of its exposure.
+
+With --take N a file of takes is named in place of the move: rows are where the axes were told to be when the move
+passed each frame, with --measured where they were.
+
+Exit status 1 where the motion cannot be written so. Nothing is written over without --over.
+
+Examples:
+  inbetween export move.toml --rig rig.toml --to move.csv
+  inbetween export move.toml --rig rig.toml --to move.arcm --unit deg
+  inbetween export move.toml --rig rig.toml --to k.txt --format kuper --axis vPan=pan --axis vTrack=-slide --unit cm
+  inbetween export move.toml --rig rig.toml --to jaw.json --axis Jaw=jaw --count "Jaw=1500,-0.1deg"
+  inbetween export move.toml --rig rig.toml --to - --format csv --fps 25 --phase centre
+  inbetween export takes.db --take 7 --measured --to measured.csv)";
+
+void describe(CLI::App& app, ExportArguments& arguments) {
+  app.add_option("MOVE", arguments.from, "the move, or with --take a file of takes")->required();
+  app.add_option("--rig", arguments.rig, "the rig that it is for; not with --take");
+  app.add_option("--to", arguments.to, "the file that is written (- is standard output)")->required();
+  add_exchange_options(app, arguments.exchange);
+  app.add_option("--decimals", arguments.decimals, "of each number, where the format has others")
+      ->check(between(0, 12));
+  add_frames(app, arguments.frames, "these frames only");
+  add_turns(app, arguments.turns);
+  app.add_flag("--rolls", arguments.has_rolls, "the pre-roll and the post-roll as well");
+  app.footer(export_explanation);
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& program, Command& chosen) {
+  add_command(program, chosen, {"export", "Write a move, or a take, for another program"}, describe,
+              export_command);
+}
+
+}  // namespace inbetween

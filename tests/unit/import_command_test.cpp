@@ -1,0 +1,208 @@
+// inbetween import and export as their users meet them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "host_tools/move_model/move_file.hpp"
+#include "host_tools/plan/plan.hpp"
+#include "host_tools/rig_model/rig_file.hpp"
+#include "host_tools/text/csv_table.hpp"
+#include "tests/support/places.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_file.hpp"
+
+namespace inbetween {
+namespace import_command_test {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+class ImportCommand : public testing::Test {
+ protected:
+  [[nodiscard]] std::string in_folder(const std::string& name) const { return folder_.path() / name; }
+  std::string written(const std::string& name, const std::string& text) const {
+    std::ofstream(in_folder(name)) << text;
+    return in_folder(name);
+  }
+  [[nodiscard]] ProgramRun import_rows(const std::string& file, const std::string& to,
+                                       const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"import", file, "--rig", rig_, "--to", in_folder(to)};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  }
+  [[nodiscard]] ProgramRun export_move(const std::string& to, const std::vector<std::string>& more) const {
+    std::vector<std::string> words = {"export", move_, "--rig", rig_, "--to", to == "-" ? to : in_folder(to)};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_program(words);
+  }
+
+  TemporaryFolder folder_;
+  std::string rig_ = in_checkout("examples/camera_rig.toml");
+  std::string move_ = in_checkout("examples/reveal.toml");
+};
+
+const std::vector<std::string> all_of_pan = {"--fps",  "24",  "--axis",  "1=pan",
+                                             "--unit", "deg", "--phase", "boundary"};
+
+TEST_F(ImportCommand, RowsBecomeAMoveAndTheRowsBesideIt) {
+  const std::string file = written("in.txt", "0\n10\n20.5\n");
+  const ProgramRun run = import_rows(file, "pan.toml", all_of_pan);
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("2 frames of pan at 24 fps, 0.083 s"));
+  EXPECT_EQ(file_contents(in_folder("pan.csv")), "frame,pan\n0,0\n1,10\n2,20.5\n");
+  EXPECT_THAT(file_contents(in_folder("pan.toml")),
+              AllOf(HasSubstr("name = \"pan\"\nfps = 24\nframes = 2\n"), HasSubstr("table = \"pan.csv\"")));
+}
+
+TEST_F(ImportCommand, WhatNobodyHasSaidIsOneLineAndNothingIsWritten) {
+  const std::string file = written("in.txt", "0\n10\n20.5\n");
+  const ProgramRun run = import_rows(file, "pan.toml", {"--unit", "deg"});
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, AllOf(StartsWith(file + ": error: "), HasSubstr("--fps RATE"),
+                             HasSubstr("--axis \"column 1=AXIS\""), HasSubstr("--phase centre")));
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1);
+  EXPECT_FALSE(std::filesystem::exists(in_folder("pan.toml")));
+  EXPECT_FALSE(std::filesystem::exists(in_folder("pan.csv")));
+}
+
+TEST_F(ImportCommand, NothingIsWrittenOverUnlessSomebodySaysSo) {
+  const std::string file = written("in.txt", "0\n10\n");
+  written("pan.csv", "mine");
+  const ProgramRun kept = import_rows(file, "pan.toml", all_of_pan);
+  EXPECT_EQ(kept.status, 1);
+  EXPECT_THAT(kept.err, HasSubstr("pan.csv: error: is there already; add --over"));
+  EXPECT_EQ(file_contents(in_folder("pan.csv")), "mine");
+  EXPECT_FALSE(std::filesystem::exists(in_folder("pan.toml")));
+  std::vector<std::string> over = all_of_pan;
+  over.emplace_back("--over");
+  EXPECT_EQ(import_rows(file, "pan.toml", over).status, 0);
+  // What is read is never written over, whatever is said.
+  const ProgramRun itself = import_rows(written("own.csv", "frame,pan\n0,0\n1,1\n"), "own.toml", over);
+  EXPECT_EQ(itself.status, 2);
+  EXPECT_THAT(itself.err, HasSubstr("would both be"));
+}
+
+TEST_F(ImportCommand, EveryWrongRowHasItsLine) {
+  const std::string file = written("in.txt", "0\nx\n20\n200\n");
+  EXPECT_THAT(import_rows(file, "pan.toml", all_of_pan).err, StartsWith(file + ":2:1: error: "));
+  const ProgramRun range = import_rows(written("far.txt", "0\n200\n0\n-181\n"), "pan.toml", all_of_pan);
+  EXPECT_EQ(range.status, 1);
+  EXPECT_THAT(range.err, AllOf(HasSubstr("far.txt:2: error: axis \"pan\" is at 200 deg"),
+                               HasSubstr("far.txt:4: error: axis \"pan\" is at -181 deg")));
+}
+
+TEST_F(ImportCommand, WhatIsExportedComesBackToWithinItsDecimals) {
+  const std::vector<std::string> columns = {"--axis", "vTrack=-slide", "--axis", "vPan=pan", "--unit", "cm"};
+  std::vector<std::string> out = columns;
+  out.insert(out.end(), {"--format", "kuper"});
+  const ProgramRun exported = export_move("kuper.txt", out);
+  EXPECT_EQ(exported.status, 0) << exported.err;
+  EXPECT_THAT(exported.out,
+              AllOf(HasSubstr("kuper has no rate: 24 rows a second\n"),
+                    HasSubstr("kuper has no units: vTrack in cm, vPan in deg\n"), HasSubstr("keep it\n")));
+  EXPECT_THAT(exported.err, HasSubstr("axis \"tilt\" is not in the file"));
+  std::vector<std::string> back = columns;
+  back.insert(back.end(), {"--unit", "deg", "--fps", "24", "--phase", "boundary"});
+  EXPECT_EQ(import_rows(in_folder("kuper.txt"), "back.toml", back).status, 0);
+  const Plan plan(read_move_file(move_), read_rig_file(rig_), {});
+  const CsvTable rows = parse_csv(file_contents(in_folder("back.csv")), "back.csv");
+  ASSERT_EQ(rows.rows.size(), 193U);
+  std::vector<double> positions(plan.motion().axis_count());
+  for (std::size_t frame = 0; frame < rows.rows.size(); ++frame) {
+    plan.motion().positions({static_cast<std::int32_t>(frame), 0}, positions);
+    EXPECT_NEAR(csv_number(rows, rows.rows[frame], 1), positions[0], 0.00051) << "0.00005 cm";
+    EXPECT_NEAR(csv_number(rows, rows.rows[frame], 2), positions[1], 0.000051);
+  }
+}
+
+TEST_F(ImportCommand, ATakeIsExportedAsItWasMeasuredAndImportedTickByTick) {
+  const std::string db = in_folder("takes.db");
+  ASSERT_EQ(run_program({"run", move_, "--rig", rig_, "--sim", "--fast", "--takes-in", db}).status, 0);
+  const ProgramRun told = run_program({"export", db, "--take", "1", "--to", in_folder("told.csv")});
+  const ProgramRun measured =
+      run_program({"export", db, "--take", "1", "--measured", "--to", in_folder("measured.csv")});
+  ASSERT_EQ(told.status, 0) << told.err;
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  EXPECT_EQ(export_move("plan.csv", {}).status, 0);
+  const CsvTable plan = parse_csv(file_contents(in_folder("plan.csv")), "plan");
+  const CsvTable takes = parse_csv(file_contents(in_folder("told.csv")), "told");
+  const CsvTable seen = parse_csv(file_contents(in_folder("measured.csv")), "measured");
+  ASSERT_EQ(takes.rows.size(), plan.rows.size());
+  ASSERT_EQ(seen.rows.size(), plan.rows.size());
+  double farthest = 0;
+  for (std::size_t row = 0; row < plan.rows.size(); ++row) {
+    // Between two ticks on a line: at 250 Hz and 800 mm/s^2 that is 0.0016 mm at most.
+    EXPECT_NEAR(csv_number(takes, takes.rows[row], 1), csv_number(plan, plan.rows[row], 1), 0.002);
+    farthest = std::max(farthest,
+                        std::abs(csv_number(seen, seen.rows[row], 1) - csv_number(plan, plan.rows[row], 1)));
+  }
+  EXPECT_LT(farthest, 2.0) << "mm: how far a simulated drive is behind";
+  const ProgramRun ticks = import_rows(db, "take.toml", {"--take", "1"});
+  EXPECT_EQ(ticks.status, 0) << ticks.err;
+  EXPECT_THAT(ticks.out, HasSubstr("at 250 fps, 8.0"));
+}
+
+TEST_F(ImportCommand, ARobotBecomesARigThatOnlySimulates) {
+  std::filesystem::copy(in_checkout("examples/crane/crane.urdf"), in_folder("crane.urdf"));
+  const ProgramRun made =
+      run_program({"import", in_folder("crane.urdf"), "--to", in_folder("rig.toml"), "--rate-hz", "250",
+                   "--reach", "0.5", "--axis", "track", "--axis", "swing"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("for --sim"));
+  const RigFile rig = read_rig_file(in_folder("rig.toml"));
+  ASSERT_FALSE(rig.axes.empty());
+  EXPECT_EQ(rig.kinematics->urdf, "crane.urdf");
+  const RigAxis& axis = rig.axes.front();
+  const double middle = (axis.min + axis.max) / 2;
+  const std::string move = written(
+      "move.toml", fmt::format("name = \"m\"\nfps = 24\nframes = 96\n[[track]]\naxes = [\"{0}\"]\n"
+                               "keys = [{{ at = [{1}] }}, {{ at = [{2}] }}]\nspeed = [0, 0, 1, 0, 0]\n",
+                               axis.name, middle, middle + (axis.max - middle) / 20));
+  const ProgramRun simulated =
+      run_program({"run", move, "--rig", in_folder("rig.toml"), "--sim", "--fast", "--no-take", "--yes"});
+  EXPECT_EQ(simulated.status, 0) << simulated.err;
+  const ProgramRun real = run_program({"run", move, "--rig", in_folder("rig.toml"), "--no-take", "--yes"});
+  EXPECT_NE(real.status, 0);
+  EXPECT_THAT(real.err, HasSubstr("no_watchdog"));
+}
+
+TEST_F(ImportCommand, ARobotsRateIsSaidAndWhatIsOpenIsTold) {
+  std::filesystem::copy(in_checkout("examples/crane/crane.urdf"), in_folder("crane.urdf"));
+  const ProgramRun asked = run_program({"import", in_folder("crane.urdf"), "--to", in_folder("rig.toml")});
+  EXPECT_EQ(asked.status, 1);
+  EXPECT_THAT(asked.err, HasSubstr("--rate-hz 250"));
+  const ProgramRun open =
+      run_program({"import", in_folder("crane.urdf"), "--to", in_folder("rig.toml"), "--rate-hz", "250"});
+  EXPECT_EQ(open.status, 0) << open.err;
+  EXPECT_THAT(open.out, HasSubstr(": max_acceleration"));
+  const std::string broken =
+      written("robot.urdf", "<robot name=\"r\">\n<link name=\"a\"/>\n<joint name=\"j\"/>\n</robot>\n");
+  const ProgramRun refused =
+      run_program({"import", broken, "--to", in_folder("other.toml"), "--rate-hz", "250"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, AllOf(StartsWith(broken + ":3: error: "), HasSubstr("; ")));
+}
+
+TEST_F(ImportCommand, WrongUsageSaysWhatIsMeant) {
+  const std::string file = written("in.txt", "0\n10\n");
+  EXPECT_EQ(import_rows(file, "pan.csv", {}).status, 2);
+  const ProgramRun rate = import_rows(file, "pan.toml", {"--fps", "23.976"});
+  EXPECT_EQ(rate.status, 2);
+  EXPECT_THAT(rate.err, HasSubstr("--fps \"23.976\": write an exact rate, 24 or 24000/1001"));
+  EXPECT_THAT(export_move("-", {}).err, HasSubstr("say the format with --format"));
+  EXPECT_THAT(export_move("a.txt", {}).err, HasSubstr("with --format"));
+  EXPECT_THAT(import_rows(written("bare", "0 1\n1 2\n"), "pan.toml", {}).err, HasSubstr("(--format)"));
+}
+
+}  // namespace import_command_test
+}  // namespace inbetween
