@@ -57,6 +57,17 @@ BakedTable exported_take(const ExportArguments& arguments) {
                         exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told);
 }
 
+/// To write degrees as whole numbers would lose all but the degrees.
+void refuse_positions_of_servos(const BakedTable& table) {
+  std::string open;
+  for (const BakedColumn& column : table.columns) {
+    if (!column.is_in_counts) open += fmt::format(" --count \"{}=ZERO,STEP\"", column.name);
+  }
+  if (open.empty()) return;
+  throw InputError({table.file},
+                   "servos have counts; say which count is 0 of the axis and how far one is, with" + open);
+}
+
 int export_command(const ExportArguments& arguments) {
   const ExchangeWords words = exchange_words_of(arguments.exchange);
   const ExchangeFormat format = written_format(arguments, words);
@@ -69,6 +80,7 @@ int export_command(const ExportArguments& arguments) {
   const BakedTable table =
       exported_table(is_take ? exported_take(arguments) : exported_plan(arguments, words),
                      {.axes = words.axes, .units = words.units, .counts = words.counts, .up = words.up});
+  if (format == ExchangeFormat::servo_json) refuse_positions_of_servos(table);
   const std::string text = write_baked_table(format, table, arguments.decimals);
   for (const Warning& warning : table.warnings) complain(to_string(warning));
   write_output(arguments.to, [&](std::FILE* out) { std::fwrite(text.data(), 1, text.size(), out); });

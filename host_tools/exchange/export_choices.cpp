@@ -124,10 +124,12 @@ constexpr std::array<Holds, exchange_format_words.size()> held_by_format = {{
     {.names = true},                                               // record
 }};
 
-std::string units_in_words(const BakedTable& table) {
+/// Angles of a .chan file are in degrees.
+std::string units_in_words(const BakedTable& table, bool is_chan) {
   std::vector<std::string> words;
   for (const BakedColumn& column : table.columns) {
-    if (column.is_in_counts) continue;
+    const bool is_fixed = is_chan && ratio_of_units(MoveUnit::deg, column.unit.value_or(MoveUnit::of_rig));
+    if (column.is_in_counts || is_fixed) continue;
     words.push_back(fmt::format("{} in {}", column.name, to_string(column.unit.value_or(MoveUnit::of_rig))));
   }
   return comma_separated(words);
@@ -172,7 +174,7 @@ std::vector<std::string> losses_of(ExchangeFormat format, const BakedTable& tabl
     for (const BakedColumn& column : table.columns) names.push_back(column.name);
     lose("no names: the columns are " + comma_separated(names));
   }
-  const std::string units = units_in_words(table);
+  const std::string units = units_in_words(table, format == ExchangeFormat::nuke_chan);
   if (!holds.units && !units.empty()) lose("no units: " + units);
   if (format == ExchangeFormat::nuke_chan) lose("no order of the rotations, and not which coordinate is up");
   if (!holds.frames)

@@ -167,10 +167,14 @@ void ask_about_columns(const BakedTable& table, const RigFile& rig, const Import
   for (const MappedColumn& one : mapped) {
     const BakedColumn& column = *one.column;
     if (one.axis == nullptr || column.is_in_counts || unit_of(one, table.file, said)) continue;
-    open.push_back({.asks = TableAsks::unit,
-                    .column = column.name,
-                    .words = fmt::format("in what unit does {} count?", in_quotes(column.name)),
-                    .option = fmt::format("--unit \"{}=UNIT\"", column.name)});
+    open.push_back(
+        {.asks = TableAsks::unit,
+         .column = column.name,
+         .axis = one.axis->name,
+         .words = fmt::format("in what unit does {} count, for axis {}?", in_quotes(column.name),
+                              in_quotes(one.axis->name)),
+         .option = fmt::format("--unit \"{}=UNIT\"", column.name),
+         .suggestion = std::string(one.axis->unit == AxisUnit::unit ? "rig" : to_string(one.axis->unit))});
   }
   for (const MappedColumn& one : mapped) {
     if (one.is_left_out || !one.column->is_in_counts || count_of_column(*one.column, said) != nullptr)
@@ -267,6 +271,9 @@ std::optional<std::string> take_answer(const OpenQuestion& question, std::string
       const auto unit = move_unit_of_word(text);
       if (!unit)
         return wrong_answer(text, fmt::format("write one of {}, or rig", comma_separated(move_unit_words)));
+      const RigAxis* const axis = axis_of_rig(rig, question.axis);
+      if (axis != nullptr && !fits(*unit, *axis))
+        return wrong_answer(text, fmt::format("the axis counts in {}", to_string(axis->unit)));
       said.units.push_back({question.column, *unit});
       return std::nullopt;
     }

@@ -28,6 +28,7 @@ struct ImportSaid {
 struct OpenQuestion {
   TableAsks asks = TableAsks::fps;
   std::string column = {};      // of which; empty where the whole file is meant
+  std::string axis = {};        // of the column, where that matters
   std::string words = {};       // a question that ends with a question mark
   std::string option = {};      // by which it is answered beforehand: --fps 24
   std::string suggestion = {};  // what somebody probably answers, to be agreed to; empty where nobody knows

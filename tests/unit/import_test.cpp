@@ -97,8 +97,9 @@ TEST(Import, WithoutATerminalOneLineNamesAllThatIsOpen) {
 }
 
 TEST(Import, AtATerminalEachIsAskedUntilAllAreAnswered) {
-  // A rate that is none is asked again, Enter takes the axis that is suggested, - leaves a column out.
-  std::deque<std::string> typed = {"23.976", "24", "", "-", "furlong", "cm", "boundary"};
+  // A rate that is none is asked again, Enter takes the axis that is suggested, - leaves a column out, and a
+  // track does not count in degrees.
+  std::deque<std::string> typed = {"23.976", "24", "", "-", "furlong", "deg", "cm", "boundary"};
   const LineReader read = [&]() -> std::optional<std::string> {
     if (typed.empty()) return std::nullopt;
     const std::string line = typed.front();
