@@ -216,6 +216,31 @@ TEST_F(ImportCommand, ARobotsRateIsSaidAndWhatIsOpenIsTold) {
   EXPECT_THAT(refused.err, AllOf(StartsWith(broken + ":3: error: "), HasSubstr("; ")));
 }
 
+TEST_F(ImportCommand, ASceneWithoutMotionIsARigWithQuestions) {
+  const std::string scene =
+      written("set.arcx",
+              "<scen:scene xmlns:scen=\"http://caliri.com/motion/scene\">\n<scen:axis name=\"PAN\" "
+              "connectionChannel=\"1\" stepsPerUnit=\"100\"/>\n</scen:scene>\n");
+  const ProgramRun made = run_program({"import", scene, "--to", in_folder("rig.toml"), "--rate-hz", "250"});
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("1 axis of " + scene));
+  EXPECT_THAT(file_contents(in_folder("rig.toml")),
+              AllOf(HasSubstr("name = \"PAN\""), HasSubstr("# min = ?")));
+}
+
+TEST_F(ImportCommand, ServosAreWrittenInCountsThatSomebodyStates) {
+  const ProgramRun positions = export_move("pan.json", {"--axis", "Pan=pan"});
+  EXPECT_EQ(positions.status, 1);
+  EXPECT_THAT(positions.err, HasSubstr("--count \"Pan=ZERO,STEP\""));
+  const std::vector<std::string> words = {"--axis", "Pan=pan", "--count", "Pan=1500,-0.1deg"};
+  EXPECT_EQ(export_move("pan.json", words).status, 0);
+  std::vector<std::string> back = words;
+  back.insert(back.end(), {"--phase", "boundary"});
+  const ProgramRun read = import_rows(in_folder("pan.json"), "pan.toml", back);
+  EXPECT_EQ(read.status, 0) << read.err;
+  EXPECT_THAT(file_contents(in_folder("pan.csv")), StartsWith("frame,pan\n0,-62\n"));
+}
+
 TEST_F(ImportCommand, WrongUsageSaysWhatIsMeant) {
   const std::string file = written("in.txt", "0\n10\n");
   EXPECT_EQ(import_rows(file, "pan.csv", {}).status, 2);
