@@ -197,7 +197,7 @@ int write_rows_move(const ImportArguments& arguments, const RowsMove& move) {
   const std::string rows = std::filesystem::path(to).replace_extension(".csv").string();
   refuse_to_overwrite(rows, arguments.exchange.may_overwrite);
   check_output(rows);
-  write_text(rows, rows_text_of(move));
+  write_text(rows, rows_text_of(move, rows));
   write_text(arguments.to, move_text_of(move, std::filesystem::path(rows).filename().string()));
   fmt::print("{} and {}: {} frames of {} at {} fps, {:.3f} s\n", arguments.to, rows, move.frames(),
              comma_separated(move.axes), to_string(move.fps),

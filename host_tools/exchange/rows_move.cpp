@@ -8,6 +8,7 @@
 #include "host_tools/exchange/toml_text.hpp"
 #include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/csv_table.hpp"
+#include "inbetween/timing/track.hpp"
 
 namespace inbetween {
 namespace {
@@ -105,6 +106,12 @@ RowsMove rows_move_of(const BakedTable& table, const RigFile& rig, const std::st
   }
   const bool is_centred = table.has_exposures && table.phase == ShutterPhase::exposure_centre;
   if (is_centred) take_centred_rows(table, rig, move);
+  if (move.frames() > static_cast<std::size_t>(max_frames)) {
+    throw InputError({table.file},
+                     fmt::format("{} frames are more than the {} that a move has; import the file "
+                                 "in parts",
+                                 move.frames(), max_frames));
+  }
   move.comments.push_back(fmt::format("Imported from {}: {} at {} a second{}.", table.file,
                                       counted(static_cast<std::int64_t>(table.rows()), "row"), to_string(fps),
                                       is_centred ? ", each the middle of an exposure" : ""));
@@ -125,7 +132,7 @@ std::string move_text_of(const RowsMove& move, const std::string& rows) {
   return text;
 }
 
-std::string rows_text_of(const RowsMove& move) {
+std::string rows_text_of(const RowsMove& move, const std::string& rows) {
   std::string text = "frame";
   for (const std::string& axis : move.axes) text += "," + csv_field(axis);
   text += '\n';
@@ -136,6 +143,11 @@ std::string rows_text_of(const RowsMove& move) {
       fmt::format_to(std::back_inserter(text), ",{}", position == 0 ? 0.0 : position);
     }
     text += '\n';
+    if (text.size() <= max_baked_bytes) continue;
+    throw InputError({rows},
+                     fmt::format("the rows would be more than {} MiB, which a move has at most; import the "
+                                 "file in parts, or fewer of its columns",
+                                 max_baked_bytes >> 20U));
   }
   return text;
 }

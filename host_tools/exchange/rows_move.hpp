@@ -33,7 +33,8 @@ RowsMove rows_move_of(const BakedTable& table, const RigFile& rig, const std::st
 /// The move file. `rows` is the name of the file that rows_text_of makes, in the same folder.
 std::string move_text_of(const RowsMove& move, const std::string& rows);
 
-/// `frame,pan,tilt`, then a row a frame; numbers read back exactly.
-std::string rows_text_of(const RowsMove& move);
+/// `frame,pan,tilt`, then a row a frame; numbers read back exactly. Throws InputError at `rows`, the name of
+/// the file, where it would have more than max_baked_bytes.
+std::string rows_text_of(const RowsMove& move, const std::string& rows);
 
 }  // namespace inbetween

@@ -1,4 +1,5 @@
 // A motion of another program on the axes of a rig: what is asked, what its move plays, what an export has.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -151,7 +152,7 @@ TEST(Import, TheMoveOfBoundaryRowsIsTheRows) {
   const RigFile rig = camera_rig();
   const RowsMove move =
       rows_move_of(imported_table(read_raw_move(bare, "a.txt"), rig, all_of_bare()), rig, "a");
-  EXPECT_EQ(rows_text_of(move), "frame,track,pan\n0,0,0\n1,100,-45\n2,200,-90\n");
+  EXPECT_EQ(rows_text_of(move, "a.csv"), "frame,track,pan\n0,0,0\n1,100,-45\n2,200,-90\n");
   EXPECT_THAT(move_text_of(move, "a.csv"),
               EndsWith("name = \"a\"\nfps = 24\nframes = 2\n\n[[track]]\naxes = [\"track\", \"pan\"]\n"
                        "table = \"a.csv\"\n"));
@@ -175,6 +176,26 @@ TEST(Import, RowsInTheMiddleOfExposuresAreHalfAFrameLater) {
     EXPECT_NEAR(move.positions[0][static_cast<std::size_t>(frame)], at(frame), 1e-10) << frame;
   EXPECT_NEAR(move.positions[0][0], at(0), 0.5) << "a straight line through two rows";
   EXPECT_THAT(move.warnings, ElementsAre(HasSubstr("half a frame before row k")));
+}
+
+TEST(Import, AMoveThatIsTooLongIsRefusedBeforeItIsWritten) {
+  const RigFile rig = camera_rig();
+  BakedTable table{.file = "a.txt"};
+  table.fps = FrameRate{1000, 1};
+  table.phase = ShutterPhase::exposure_centre;
+  table.columns = {
+      {.name = "pan", .unit = MoveUnit::deg, .values = std::vector<double>(max_table_rows, 1.0)}};
+  EXPECT_THAT(refusal([&] { rows_move_of(table, rig, "a"); }),
+              HasSubstr("a.txt: error: 1000001 frames are more than the 1000000 that a move has; import"));
+  table.phase = ShutterPhase::frame_boundary;
+  EXPECT_EQ(rows_move_of(table, rig, "a").frames(), 1'000'000U);
+  RowsMove wide{.name = "a", .fps = {}, .axes = {}, .positions = {}};
+  for (int axis = 0; axis < 4; ++axis) {
+    wide.axes.push_back(fmt::format("a{}", axis));
+    wide.positions.emplace_back(1'000'000, 1.0 / 3);
+  }
+  EXPECT_THAT(refusal([&] { static_cast<void>(rows_text_of(wide, "a.csv")); }),
+              HasSubstr("a.csv: error: the rows would be more than 64 MiB"));
 }
 
 TEST(Import, EveryRowOutsideTheRangeIsToldWithItsLine) {
