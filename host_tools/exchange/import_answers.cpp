@@ -299,21 +299,21 @@ std::optional<std::string> take_answer(const OpenQuestion& question, std::string
   return std::nullopt;
 }
 
-BakedTable imported_table(BakedTable table, const RigFile& rig, const ImportSaid& given) {
-  const ImportSaid said = with_named_columns(table, given);
-  const std::vector<MappedColumn> mapped = mapped_columns(table, rig, said);
+BakedTable imported_table(BakedTable table, const RigFile& rig, const ImportSaid& said) {
+  const ImportSaid named = with_named_columns(table, said);
+  const std::vector<MappedColumn> mapped = mapped_columns(table, rig, named);
   table.has_euler_angles = table.has_euler_angles && has_order_of_angles(mapped);
   TableAnswers answers{
-      .fps = said.fps, .up = said.up, .rotation_order = said.rotation_order, .phase = said.phase};
+      .fps = named.fps, .up = named.up, .rotation_order = named.rotation_order, .phase = named.phase};
   for (const MappedColumn& one : mapped) {
     if (one.axis == nullptr || one.is_left_out) continue;
     ColumnAnswer answer{.column = one.column->name, .axis = one.axis->name, .is_reversed = one.is_reversed};
-    if (const CountWord* const count = count_of_column(*one.column, said)) {
+    if (const CountWord* const count = count_of_column(*one.column, named)) {
       answer.unit = count->unit;
       answer.count = count->count;
       answer.zero = count->zero;
     } else if (!one.column->is_in_counts) {
-      answer.unit = unit_of(one, table.file, said);
+      answer.unit = unit_of(one, table.file, named);
     }
     answers.columns.push_back(std::move(answer));
   }

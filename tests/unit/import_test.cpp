@@ -132,6 +132,21 @@ TEST(Import, AColumnGoesByItselfToTheAxisOfExactlyItsName) {
   EXPECT_EQ(open[0].suggestion, "pan");
 }
 
+TEST(Import, OnceAnAxisIsNamedColumnsWithoutOneAreLeftOut) {
+  const BakedTable table =
+      read_table_csv("frame,PAN [deg],heat [deg],track [mm]\n1,1,0,3\n2,2,1,4\n", "a.csv");
+  const ImportSaid said{.fps = FrameRate{24, 1},
+                        .axes = {*axis_word_of("PAN=pan")},
+                        .leaves_others_out = true,
+                        .phase = ShutterPhase::frame_boundary};
+  EXPECT_THAT(open_questions(table, camera_rig(), said), IsEmpty());
+  const BakedTable imported = imported_table(table, camera_rig(), said);
+  ASSERT_EQ(imported.columns.size(), 2U) << "the column with the name of an axis stays";
+  EXPECT_EQ(imported.columns[1].name, "track");
+  ASSERT_EQ(imported.warnings.size(), 1U);
+  EXPECT_THAT(imported.warnings[0].message, HasSubstr("column \"heat\" is of no axis"));
+}
+
 TEST(Import, AWrongNameSaysWhichIsMeantAndAWrongUnitIsRefused) {
   const BakedTable table = read_raw_move(bare, "a.txt");
   ImportSaid said = all_of_bare();
