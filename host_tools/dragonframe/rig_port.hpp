@@ -156,18 +156,18 @@ struct ShotMotor {
   bool operator==(const ShotMotor&) const = default;
 };
 
-/// Go to the start, say InPlace, and wait for Go: one exposure in motion. Other motors go to `rest` and stay.
+/// Go to the start, say InPlace, and wait for Go: one exposure in motion. The motors of `resting` go to
+/// `rest` and stay. The camera's meter is on from Go until the shutter closes.
 struct PrepareShot {
   std::vector<ShotMotor> motors;
-  double meter_s = 0;  ///< the camera's meter is on from here until the shutter closes; s behind Go
-  double open_s = 0;
+  double open_s = 0;  ///< of the shutter, behind Go
   double close_s = 0;
   MotorMask resting = 0;
   MotorPositions rest{};
   bool operator==(const PrepareShot&) const = default;
 };
 
-/// Begin what was prepared.
+/// Begin what was prepared. Another motion of a motor that is not live, and a stop, have dropped it.
 struct Go {
   bool operator==(const Go&) const = default;
 };
