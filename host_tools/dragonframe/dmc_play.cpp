@@ -180,6 +180,7 @@ RigAnswer DmcDevice::handle(const DmcRunMove& request) {
   has_ended_ = false;
   bloop_bits_ = request.bloop_bits;
   bloop_for_ns_ = request.bloop_ms == 0 ? dmc_bloop_ns : request.bloop_ms * std::int64_t{1'000'000};
+  state_.moving |= run.motors;
   stage_ = DmcStage::approach;
   return RigAnswer::ok;
 }
@@ -239,6 +240,8 @@ RigAnswer DmcDevice::prepare_shot(std::int32_t frame, const std::vector<DmcOverr
   is_synced_ = false;
   has_ended_ = false;
   bloop_bits_ = 0;
+  state_.moving |= shot.resting;
+  for (const ShotMotor& motor : shot.motors) state_.moving |= mask_of(motor.motor);
   stage_ = DmcStage::preroll;
   return RigAnswer::ok;
 }

@@ -49,8 +49,8 @@ struct MotorSettings {
   bool drives_next_reversed = false;       ///< and turns the other way
   std::uint32_t max_velocity = 5000;       ///< steps/s
   std::uint32_t max_acceleration = 20000;  ///< steps/s^2
-  std::optional<std::int32_t> lower;
-  std::optional<std::int32_t> upper;
+  std::optional<std::int32_t> lower{};
+  std::optional<std::int32_t> upper{};
   std::uint8_t hardware_set = 0;  ///< of limit switches; 0: none
   bool hardware_swapped = false;
 
@@ -159,7 +159,7 @@ struct ShotMotor {
 /// Go to the start, say InPlace, and wait for Go: one exposure in motion. The motors of `resting` go to
 /// `rest` and stay. The camera's meter is on from Go until the shutter closes.
 struct PrepareShot {
-  std::vector<ShotMotor> motors;
+  std::vector<ShotMotor> motors{};
   double open_s = 0;  ///< of the shutter, behind Go
   double close_s = 0;
   MotorMask resting = 0;
