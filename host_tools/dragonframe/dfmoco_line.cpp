@@ -8,7 +8,7 @@
 namespace inbetween::dragonframe {
 namespace {
 
-using Kind = DfmocoLine::Kind;
+using LineKind = DfmocoLine::Kind;
 
 constexpr std::array<std::pair<std::string_view, DfmocoCommand>, 13> command_letters{{
     {"hi", DfmocoCommand::hi},
@@ -38,7 +38,7 @@ DfmocoLine read_dfmoco_line(std::string_view text) {
   const auto* const found = std::find_if(command_letters.begin(), command_letters.end(),
                                          [&](const auto& row) { return row.first == text.substr(0, 2); });
   if (found == command_letters.end() || (text.size() > 2 && text[2] != ' ')) return line;
-  line.kind = Kind::command;
+  line.kind = LineKind::command;
   line.command = found->second;
   if (ignores_numbers(line.command)) return line;
   text.remove_prefix(2);
@@ -50,11 +50,11 @@ DfmocoLine read_dfmoco_line(std::string_view text) {
     const auto [behind, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
     text.remove_prefix(static_cast<std::size_t>(behind - text.data()));
     if (fault != std::errc{} || (!text.empty() && text.front() != ' ')) {
-      line.kind = Kind::malformed;
+      line.kind = LineKind::malformed;
       return line;
     }
     if (line.numbers.size() == max_dfmoco_numbers) {
-      line.kind = Kind::too_many_numbers;
+      line.kind = LineKind::too_many_numbers;
       return line;
     }
     line.numbers.push_back(number);
@@ -76,8 +76,8 @@ std::optional<DfmocoLine> DfmocoDecoder::next(std::span<const std::uint8_t>& byt
     }
     if (size_ == 0) continue;
     DfmocoLine line = read_dfmoco_line({buffer_.data(), size_});
-    if (is_too_long_ && line.kind != Kind::unknown) line.kind = Kind::too_many_numbers;
-    ++(line.kind == Kind::unknown ? counters_.unknown : counters_.lines);
+    if (is_too_long_ && line.kind != LineKind::unknown) line.kind = LineKind::too_many_numbers;
+    ++(line.kind == LineKind::unknown ? counters_.unknown : counters_.lines);
     size_ = 0;
     is_too_long_ = false;
     return line;
