@@ -91,6 +91,7 @@ void DmcDevice::forget() {
   stopped_ns_.reset();
   gated_ns_.reset();
   position_frame_.reset();
+  stops_on_path_ = false;
   run_.reset();
   is_synced_ = false;
   has_ended_ = false;

@@ -178,6 +178,7 @@ class DmcDevice {
   std::optional<std::int64_t> gated_ns_;    ///< when the gate closed
 
   std::optional<std::int32_t> position_frame_;  ///< the uploaded frame where the rig stands
+  bool stops_on_path_ = false;                  ///< and may come to rest on a frame
   std::optional<PrepareRun> run_;               ///< the one that is prepared or plays; nothing: it is a shot
   bool is_synced_ = false;
   bool has_ended_ = false;

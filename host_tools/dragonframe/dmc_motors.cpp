@@ -52,6 +52,7 @@ RigAnswer DmcDevice::may_move(std::uint8_t motor) {
 void DmcDevice::leave_frame(std::uint8_t motor) {
   if (settings_of(motor).is_live) return;
   position_frame_.reset();
+  stops_on_path_ = false;
   run_.reset();
   stage_ = after(stage_, DmcStep::motor_order).value_or(stage_);
 }
@@ -96,6 +97,7 @@ RigAnswer DmcDevice::handle(const DmcStop& request) {
 /// What a stop of everything leaves; the rig has its order already.
 void DmcDevice::stop_all() {
   if (state_.moving != 0 || stage_ != DmcStage::jog) position_frame_.reset();
+  stops_on_path_ = stage_ == DmcStage::all_jog || stage_ == DmcStage::approach || stage_ == DmcStage::shoot;
   jogs_.clear();
   run_.reset();
   has_ended_ = false;

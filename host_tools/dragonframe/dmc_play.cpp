@@ -92,6 +92,7 @@ RigAnswer DmcDevice::go_to_frame(std::int32_t frame) {
   const RigAnswer answer = move_by(GoToFrame{.frame = frame, .motors = motors});
   if (answer != RigAnswer::ok) return answer;
   run_.reset();
+  stops_on_path_ = false;
   stage_ = after(stage_, DmcStep::motor_order).value_or(stage_);
   position_frame_ = frame;
   state_.moving |= motors;
@@ -304,7 +305,10 @@ RigAnswer DmcDevice::stop_loop() {
 
 void DmcDevice::handle_event(const FrameReached& event) {
   if (!move_.has(event.frame)) return;
-  if (stage_ != DmcStage::preroll && stage_ != DmcStage::wait) position_frame_ = event.frame;
+  // A motor that was sent elsewhere meanwhile is on no frame, whatever comes late.
+  const bool is_along =
+      stage_ == DmcStage::all_jog || stage_ == DmcStage::approach || stage_ == DmcStage::shoot;
+  if (is_along || stops_on_path_) position_frame_ = event.frame;
   push_positions();
   if (stage_ != DmcStage::shoot || !is_synced_) return;
   const std::uint32_t mask = move_.trigger_mask() & output_bits();
@@ -339,6 +343,7 @@ void DmcDevice::handle_event(const AtRest& /*event*/) {
   if (stage_ == DmcStage::preroll || stage_ == DmcStage::approach || stage_ == DmcStage::shoot) {
     position_frame_.reset();
   }
+  stops_on_path_ = false;
   stage_ = after(stage_, DmcStep::at_rest).value_or(stage_);
   push_positions();
   if (stage_ != DmcStage::jog) return;
@@ -355,6 +360,7 @@ void DmcDevice::handle_event(const HardStop& event) {
   if (moves() || state_.moving != 0) gated_ns_ = now_ns_;
   position_frame_.reset();
   stop_all();
+  stops_on_path_ = false;
   disarm(PortNotice::Kind::rig_stopped);
   send(DmcType::hard_stop, 0, write_dmc_hard_stop(static_cast<std::uint8_t>(event.reason), event.motor));
 }

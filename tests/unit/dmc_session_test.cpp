@@ -204,6 +204,53 @@ TEST(DmcSession, AllJogAlongTheMoveToAFrame) {
   EXPECT_EQ(session.ask(session.host.jog_all(12'000, 5)), ok);
 }
 
+TEST(DmcSession, AStopOnAFrameLeavesTheRigInPositionAndAMotorMovedByItselfDoesNot) {
+  DmcSession session(eight_motors);
+  session.upload(1, {0, 100, 200, 300, 400});
+  ASSERT_TRUE(session.device.arm());
+  ASSERT_EQ(session.ask(session.host.position_frame(1)), ok);
+  session.run_until_still();
+  ASSERT_EQ(session.ask(session.host.jog_all(12'000, 5)), ok);
+  session.tick();
+  ASSERT_EQ(session.ask(session.host.stop_all(1)), ok);
+  EXPECT_EQ(session.ask(session.host.jog_all(12'000, 5)), moving);
+  session.run_until_still();
+  EXPECT_EQ(session.ask(session.host.jog_all(12'000, 5)), not_in_position);
+  // A rig that comes to rest on a frame says so.
+  ASSERT_EQ(session.ask(session.host.position_frame(1)), ok);
+  session.run_until_still();
+  ASSERT_EQ(session.ask(session.host.jog_all(12'000, 5)), ok);
+  ASSERT_EQ(session.ask(session.host.stop_all(1)), ok);
+  session.device.tell(FrameReached{2}, session.now_ns);
+  session.run_until_still();
+  EXPECT_EQ(session.ask(session.host.jog_all(12'000, 5)), ok);
+  ASSERT_EQ(session.ask(session.host.stop_all(1)), ok);
+  session.run_until_still();
+  // What comes late, behind a move of a motor, is not believed.
+  ASSERT_EQ(session.ask(session.host.move(1, 7)), ok);
+  session.device.tell(FrameReached{2}, session.now_ns);
+  session.run_until_still();
+  EXPECT_EQ(session.ask(session.host.jog_all(12'000, 5)), not_in_position);
+}
+
+TEST(DmcSession, AMovePlayedBackwardsEndsOneFrameBeforeItsFirst) {
+  DmcSession session(eight_motors);
+  session.upload(1, {0, 100, 200, 300, 400});
+  ASSERT_TRUE(session.device.arm());
+  ASSERT_EQ(session.ask(session.host.position_frame(5)), ok);
+  session.run_until_still();
+  ASSERT_EQ(session.ask(session.host.run({.start = 5, .end = 2, .preroll_ms = 500, .postroll_ms = 500})), ok);
+  const auto run = session.rig.taken<PrepareRun>().at(0);
+  EXPECT_EQ(run.preroll[0], 400 + 600) << "it comes from above at 2400 steps/s";
+  EXPECT_EQ(run.postroll[0], 0 - 600);
+  session.run_until(DmcStage::wait);
+  ASSERT_EQ(session.ask(session.host.go()), ok);
+  session.run_until(DmcStage::jog);
+  session.run_until_still();
+  EXPECT_EQ(session.pushed(0x0114), 1U);
+  EXPECT_EQ(session.position(1), 0) << "frame 1";
+}
+
 TEST(DmcSession, AShotInMotionCrossesItsFrameAtConstantSpeed) {
   DmcSession session(eight_motors);
   session.upload(1, {0, 100, 200, 300, 400});
