@@ -444,6 +444,58 @@ TEST(DmcSession, ALiveMotorMovesDuringARunAndTheStartSwitchBeginsIt) {
   EXPECT_EQ(session.device.stage(), DmcStage::jog);
 }
 
+TEST(DmcSession, AJogEndsAtTheLimitOfTheHostAndDoesNotBeginThere) {
+  DmcSession session(eight_motors);
+  ASSERT_TRUE(session.device.arm());
+  ASSERT_EQ(session.ask(session.host.limits(1, -300, 500)), ok);
+  ASSERT_EQ(session.ask(session.host.jog(1, 10'000, INT32_MAX)), ok);
+  session.run_for(0.4);
+  EXPECT_EQ(session.position(1), 500);
+  EXPECT_GE(session.pushed(0x0034), 2U) << "positions on the way, and at rest";
+  EXPECT_EQ(session.ask(session.host.jog(1, 10'000, INT32_MAX)), soft_upper);
+  ASSERT_EQ(session.ask(session.host.jog(1, 10'000, INT32_MIN)), ok);
+  session.run_for(0.4);
+  EXPECT_EQ(session.position(1), -300);
+  EXPECT_EQ(session.ask(session.host.jog(1, 10'000, INT32_MIN)), soft_lower);
+}
+
+TEST(DmcSession, PositionsComeTenTimesASecondWhileSomethingMoves) {
+  DmcSession session(eight_motors);
+  ASSERT_TRUE(session.device.arm());
+  ASSERT_EQ(session.ask(session.host.move(1, 1'000'000)), ok);
+  session.heard.clear();
+  session.run_for(2);
+  EXPECT_NEAR(static_cast<double>(session.pushed(0x0034)), 20, 1);
+}
+
+TEST(DmcSession, ASpeedIsTakenAsTheMakersDeviceTakesIt) {
+  DmcSession session(eight_motors);
+  ASSERT_EQ(session.ask(session.host.speed(1, 3, 0)), ok);
+  const MotorSettings slow = session.rig.taken<SetMotor>().back().settings;
+  EXPECT_EQ(slow.max_velocity, 10U);
+  EXPECT_EQ(slow.max_acceleration, 5U) << "none is given: half of the velocity";
+  EXPECT_EQ(session.device.take_notices().back().kind, PortNotice::Kind::speed_raised);
+}
+
+TEST(DmcSession, TriggersLeaveOtherOutputsAlone) {
+  DmcSession session(eight_motors);
+  ASSERT_EQ(session.ask(session.host.configure(1, 0x01)), ok);
+  ASSERT_EQ(session.ask(session.host.upload_begin(1, 5)), ok);
+  ASSERT_EQ(session.ask(session.host.upload_axis(1, 0, true, {0})), ok);
+  ASSERT_EQ(session.ask(session.host.upload_triggers(1, {{1, 1}})), ok);
+  EXPECT_EQ(session.ask(session.host.upload_triggers(1, {{5, 1}})), range);
+  ASSERT_EQ(session.ask(session.host.upload_end()), ok);
+  ASSERT_EQ(session.ask(session.host.ask(0x0021, {2, 0, 0, 0})), ok);
+  ASSERT_TRUE(session.device.arm());
+  ASSERT_EQ(session.ask(session.host.position_frame(1)), ok);
+  session.run_until_still();
+  ASSERT_EQ(session.ask(session.host.run({.start = 1, .end = 4, .is_synced = true})), ok);
+  session.run_until(DmcStage::wait);
+  ASSERT_EQ(session.ask(session.host.go()), ok);
+  session.run_until(DmcStage::jog);
+  EXPECT_EQ(session.rig.taken<SetOutputs>(), (std::vector<SetOutputs>{{2}, {3}, {2}}));
+}
+
 TEST(DmcSession, InputsArePushedAndAnswered) {
   DmcSession session(eight_motors);
   session.rig.set_inputs(0x3);
