@@ -13,6 +13,7 @@ RigFile lone_axis(const RigFile& rig, std::size_t axis) {
   one.camera.reset();
   one.outputs.clear();
   one.kinematics.reset();
+  one.dragonframe.reset();
   return one;
 }
 

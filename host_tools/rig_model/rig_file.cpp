@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host_tools/rig_model/gpio_line_reader.hpp"
+#include "host_tools/rig_model/rig_dragonframe_reader.hpp"
 #include "host_tools/rig_model/rig_lens_reader.hpp"
 #include "host_tools/rig_model/rig_motors.hpp"
 #include "host_tools/rig_model/rig_readers.hpp"
@@ -20,9 +21,9 @@
 namespace inbetween {
 namespace {
 
-constexpr std::array<std::string_view, 11> rig_fields = {
+constexpr std::array<std::string_view, 12> rig_fields = {
     "name",          "rate_hz", "step_watch_us", "bus",        "axis", "emergency_stop",
-    "start_trigger", "camera",  "output",        "kinematics", "lens"};
+    "start_trigger", "camera",  "output",        "kinematics", "lens", "dragonframe"};
 constexpr std::array<std::string_view, 2> bus_fields = {"bitrate", "data_bitrate"};
 /// CAN FD transceivers carry no more.
 constexpr std::int64_t max_data_bitrate = 8'000'000;
@@ -440,6 +441,7 @@ RigFile parse_rig(std::string_view text, const std::string& file_name) {
   rig.outputs = read_outputs(table, lines);
   rig.kinematics = read_rig_kinematics(table);
   rig.lens = read_lens(table, rig.kinematics);
+  rig.dragonframe = read_dragonframe(table, rig.axes);
   return rig;
 }
 

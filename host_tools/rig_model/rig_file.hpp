@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "host_tools/rig_model/rig_dragonframe.hpp"
 #include "host_tools/rig_model/gpio_line.hpp"
 #include "host_tools/rig_model/rig_gear.hpp"
 #include "host_tools/rig_model/rig_lens.hpp"
@@ -305,6 +306,7 @@ struct RigFile {
   std::vector<Output> outputs = {};  // in alphabetical order
   std::optional<RigKinematics> kinematics = {};
   std::optional<RigLens> lens = {};  // only with kinematics
+  std::optional<RigDragonframe> dragonframe = {};
 };
 
 /// The place of a bus by its name.

@@ -130,7 +130,7 @@ std::map<std::string, Fields> reader_fields() {
   fields["`limit_min` and `limit_max`"] =
       accepted_fields(parse_rig, rig + pipe + "limit_min = { unknown_field = 1 }");
   for (const char* section :
-       {"emergency_stop", "start_trigger", "camera", "output.NAME", "kinematics", "lens"}) {
+       {"emergency_stop", "start_trigger", "camera", "output.NAME", "kinematics", "lens", "dragonframe"}) {
     fields[fmt::format("`[{}]`", section)] =
         accepted_fields(parse_rig, fmt::format("{}{}[{}]\nunknown_field = 1", rig, pipe, section));
   }
