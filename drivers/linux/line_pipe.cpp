@@ -3,43 +3,16 @@
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
-#include <termios.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <utility>
+
+#include "drivers/linux/raw_terminal.hpp"
 
 namespace inbetween {
 namespace {
-
-constexpr std::array bauds{std::pair<std::int32_t, speed_t>{9'600, B9600},
-                           std::pair<std::int32_t, speed_t>{19'200, B19200},
-                           std::pair<std::int32_t, speed_t>{38'400, B38400},
-                           std::pair<std::int32_t, speed_t>{57'600, B57600},
-                           std::pair<std::int32_t, speed_t>{115'200, B115200},
-                           std::pair<std::int32_t, speed_t>{230'400, B230400},
-                           std::pair<std::int32_t, speed_t>{460'800, B460800},
-                           std::pair<std::int32_t, speed_t>{500'000, B500000},
-                           std::pair<std::int32_t, speed_t>{921'600, B921600},
-                           std::pair<std::int32_t, speed_t>{1'000'000, B1000000}};
-
-auto baud_of(std::int32_t baud) {
-  return std::ranges::find(bauds, baud, &std::pair<std::int32_t, speed_t>::first);
-}
-
-bool make_raw(int file, std::int32_t baud) {
-  termios settings{};
-  const auto known = baud_of(baud);
-  if (known == bauds.end() || ::tcgetattr(file, &settings) != 0) return false;
-  ::cfmakeraw(&settings);
-  settings.c_cflag |= CLOCAL | CREAD;
-  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);  // many boards start anew when the port is closed
-  return ::cfsetspeed(&settings, known->second) == 0 && ::tcsetattr(file, TCSANOW, &settings) == 0;
-}
 
 Refusal refusal_of_open(const std::string& path, int error) {
   const std::string reason = std::strerror(error);
@@ -57,10 +30,6 @@ Refusal refusal_of_open(const std::string& path, int error) {
 }
 
 }  // namespace
-
-bool is_baud(std::int32_t baud) {
-  return baud_of(baud) != bauds.end();
-}
 
 std::optional<Refusal> LinePipe::open(const std::string& path, std::int32_t baud) {
   close();

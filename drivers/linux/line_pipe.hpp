@@ -39,7 +39,4 @@ class LinePipe {
   bool is_terminal_ = false;
 };
 
-/// Whether a serial port can be set to it.
-bool is_baud(std::int32_t baud);
-
 }  // namespace inbetween

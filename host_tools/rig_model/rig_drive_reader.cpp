@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "drivers/linux/line_pipe.hpp"
+#include "drivers/linux/raw_terminal.hpp"
 #include "host_tools/rig_model/rig_readers.hpp"
 #include "inbetween/limits/limits.hpp"
 
