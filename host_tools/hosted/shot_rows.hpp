@@ -1,0 +1,24 @@
+// The rows of an exposure in motion.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "host_tools/dragonframe/rig_port.hpp"
+#include "host_tools/hosted/row_move.hpp"
+#include "host_tools/hosted/step_scale.hpp"
+
+namespace inbetween {
+
+struct ShotRows {
+  MoveRows rows;
+  std::int32_t closed_at = 0;  ///< the frame of the rows at or behind the end of the exposure
+};
+
+/// Motors that rest have their place in every row. Where a piece goes from one velocity to another, it does
+/// not do so with a constant acceleration, which would step at both ends, but along 3u^2 - 2u^3: in the same
+/// time over the same distance, with 1.5 times the acceleration in the middle. At least 50 rows a second, for
+/// shots of more than a minute fewer.
+ShotRows rows_of(const dragonframe::PrepareShot& shot, std::span<const StepScale> scales);
+
+}  // namespace inbetween
