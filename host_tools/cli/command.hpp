@@ -65,6 +65,7 @@ void add_run_command(CLI::App& program, Command& chosen);
 void add_goto_command(CLI::App& program, Command& chosen);
 void add_home_command(CLI::App& program, Command& chosen);
 void add_jog_command(CLI::App& program, Command& chosen);
+void add_dragonframe_command(CLI::App& program, Command& chosen);
 void add_plot_command(CLI::App& program, Command& chosen);
 void add_takes_command(CLI::App& program, Command& chosen);
 void add_import_command(CLI::App& program, Command& chosen);

@@ -98,6 +98,7 @@ void add_commands(CLI::App& app, Command& chosen, std::string_view named, const 
       Named{"goto", add_goto_command},
       Named{"home", add_home_command},
       Named{"jog", add_jog_command},
+      Named{"dragonframe", add_dragonframe_command},
       Named{"plot", add_plot_command},
       Named{"takes", add_takes_command},
       Named{"import", add_import_command},

@@ -16,9 +16,9 @@ namespace inbetween {
 /// A row is a position of each axis at a frame. Between rows each axis goes on a curve with a continuous
 /// acceleration (`timing = "frames"`, `kinetic = "curves"`, `spline = "smooth"`), from rest to rest.
 struct MoveRows {
-  std::vector<std::size_t> axes;     ///< of the rig
-  std::vector<std::int32_t> frames;  ///< of the rows: ascending, the first 0
-  std::vector<double> positions;     ///< row after row, in the units of the axes
+  std::vector<std::size_t> axes = {};     ///< of the rig
+  std::vector<std::int32_t> frames = {};  ///< of the rows: ascending, the first 0
+  std::vector<double> positions = {};     ///< row after row, in the units of the axes
   std::uint32_t frames_per_1000_s = 0;
 };
 
@@ -39,9 +39,9 @@ struct RowMove {
 
 /// A move, or why there is none: what breaks which limit at which frame of the rows.
 struct ProvenRows {
-  std::unique_ptr<RowMove> move;
+  std::unique_ptr<RowMove> move = {};
   dragonframe::RigAnswer answer = dragonframe::RigAnswer::ok;
-  std::string why;
+  std::string why = {};
   double frame = 0;
 };
 
