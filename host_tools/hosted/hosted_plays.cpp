@@ -41,6 +41,15 @@ bool is_same(const MotorPositions& roll, const UploadedMove& move, double frame,
       axes, [&](std::size_t axis) { return std::fabs(roll.at(axis) - steps_of(move, axis, frame)) < 1; });
 }
 
+/// What comes round passes its ends at rest, and has no pre-roll: no motor goes more than a step in the first
+/// frame.
+bool begins_slowly(const PrepareRun& run, const UploadedMove& move, const std::vector<std::size_t>& axes) {
+  const double next = run.start + (run.end >= run.start ? 1.0 : -1.0);
+  return std::ranges::all_of(axes, [&](std::size_t axis) {
+    return std::fabs(steps_of(move, axis, next) - steps_of(move, axis, run.start)) <= 1;
+  });
+}
+
 }  // namespace
 
 std::vector<std::size_t> HostedRig::axes_of(MotorMask motors) const {
@@ -197,12 +206,14 @@ RigAnswer HostedRig::prove_run(const PrepareRun& order, Prepared& run) {
   if (run.axes.empty()) return refuse(RigAnswer::general, "no motor that is enabled has positions");
   RollFrames before = frames_of(order.preroll_ms, fps);
   RollFrames after = frames_of(order.postroll_ms, fps);
-  const bool starts_at_rest = is_same(order.preroll, *upload_, order.start, run.axes);
+  const bool comes_round = order.is_loop || order.is_ping_pong;
+  const bool starts_at_rest = comes_round ? begins_slowly(order, *upload_, run.axes)
+                                          : is_same(order.preroll, *upload_, order.start, run.axes);
   const bool ends_at_rest =
       is_same(order.postroll, *upload_, static_cast<double>(order.end) + direction, run.axes);
   if (starts_at_rest) before = {.whole = 0, .rest_s = order.preroll_ms / 1000.0};
   if (ends_at_rest) after = {};
-  if (order.is_loop || order.is_ping_pong) {
+  if (comes_round) {
     if (!starts_at_rest) return refuse(RigAnswer::preroll, "what comes round again begins at rest");
     after = {};
   }
@@ -224,7 +235,7 @@ RigAnswer HostedRig::prove_run(const PrepareRun& order, Prepared& run) {
   if (after.whole > 0) add(behind + after.whole, [&](std::size_t axis) { return order.postroll.at(axis); });
   run.frames = {.first = order.start, .before = before.whole, .direction = direction, .count = count};
   run.delay_s = before.rest_s;
-  run.comes_round = order.is_loop || order.is_ping_pong;
+  run.comes_round = comes_round;
   ProvenRows proven = prove_rows(rig_, rows, RowUse::play);
   if (proven.move) {
     run.move = std::move(proven.move);
