@@ -46,6 +46,15 @@ void HostLine::serve(std::int64_t now_ns) {
   look_at_port(now_ns);
   hear(now_ns);
   send(now_ns);
+  note();
+}
+
+/// Why comes before what the host was answered.
+void HostLine::note() {
+  for (std::string& words : hosted_.take_words()) say(std::move(words));
+  for (const PortNotice& notice : std::visit([](auto& device) { return device.take_notices(); }, device_)) {
+    say(text_of(notice));
+  }
 }
 
 void HostLine::look_at_port(std::int64_t now_ns) {
@@ -131,11 +140,7 @@ bool HostLine::is_connected() const {
 }
 
 std::vector<std::string> HostLine::take_words() {
-  // What the host heard comes behind what was found.
-  for (std::string& words : hosted_.take_words()) say(std::move(words));
-  for (const PortNotice& notice : std::visit([](auto& device) { return device.take_notices(); }, device_)) {
-    say(text_of(notice));
-  }
+  note();
   return std::exchange(words_, {});
 }
 

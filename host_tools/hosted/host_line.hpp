@@ -60,6 +60,7 @@ class HostLine {
   void hear(std::int64_t now_ns);
   void send(std::int64_t now_ns);
   void look_at_rig(std::int64_t now_ns);
+  void note();
   void arm();
   void disconnect(std::int64_t now_ns);
   void say(std::string words) { words_.push_back(std::move(words)); }
