@@ -45,7 +45,12 @@ class HostAttendant {
     rig_ = &rig;
     line_ = &line;
   }
-  void end() { line_ = nullptr; }
+  /// Nothing that was not told yet is lost.
+  void end() {
+    next_words_ns_ = 0;
+    tell();
+    line_ = nullptr;
+  }
 
   std::vector<TransportKey> serve() {
     if (line_ == nullptr) return {};
@@ -76,7 +81,7 @@ class HostAttendant {
   void tell() {
     if (!options_.tell) return;
     const std::int64_t now_ns = clock_.now_ns();
-    if (now_ns < next_words_ns_) return;
+    if (next_words_ns_ != 0 && now_ns < next_words_ns_) return;
     next_words_ns_ = now_ns + ns_between_words;
     options_.tell(line_->state_in_words(), line_->take_words());
   }
