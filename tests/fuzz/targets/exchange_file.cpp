@@ -1,5 +1,5 @@
 // Any text is a baked motion that keeps every promise of host_tools/exchange/baked_table.hpp, or is refused
-// in one line. The first byte says as what it is read.
+// in one line, or in one for each row that is wrong. The first byte says as what it is read.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include "host_tools/exchange/arc_scene.hpp"
 #include "host_tools/exchange/exchange_format.hpp"
 #include "host_tools/exchange/table_csv.hpp"
+#include "host_tools/exchange/wrong_rows.hpp"
 #include "host_tools/text/toml_value.hpp"
 #include "tests/fuzz/targets/refusal.hpp"
 
@@ -56,6 +57,15 @@ void require_scene(std::string_view text) {
   fuzz_require(write_arc_scene(read_arc_scene(once, any_file)) == once, "a scene comes back");
 }
 
+void require_lines(const WrongRowsError& error) {
+  std::string_view lines = error.what();
+  for (std::size_t end = lines.find('\n'); end != lines.npos; end = lines.find('\n')) {
+    require_one_line(lines.substr(0, end), any_file);
+    lines.remove_prefix(end + 1);
+  }
+  require_one_line(lines, any_file);
+}
+
 void read(std::uint8_t kind, std::string_view text) {
   const std::size_t formats = exchange_format_words.size();
   const std::size_t which = kind % (formats + 2);
@@ -79,11 +89,12 @@ void read(std::uint8_t kind, std::string_view text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   if (size == 0) return 0;
-  const std::string_view text(reinterpret_cast<const char*>(bytes) + 1, size - 1);
-  try {
-    inbetween::read(bytes[0], text);
-  } catch (const inbetween::InputError& error) {
-    require_one_line(error, inbetween::any_file);
-  }
-  return 0;
+  const auto judge = [&](std::string_view text, const char*) {
+    try {
+      inbetween::read(bytes[0], text);
+    } catch (const inbetween::WrongRowsError& error) {
+      inbetween::require_lines(error);
+    }
+  };
+  return inbetween::fuzz_text(bytes + 1, size - 1, inbetween::any_file.c_str(), judge);
 }

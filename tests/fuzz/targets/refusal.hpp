@@ -7,16 +7,20 @@
 #include "host_tools/text/diagnostics.hpp"
 #include "tests/fuzz/targets/fuzz_require.hpp"
 
-/// What every refusal of a reader must be: one line for a terminal, at a place of the file that was read.
-inline void require_one_line(const inbetween::InputError& error, std::string_view file_name) {
-  const std::string_view line = error.what();
+/// A line for a terminal, at a place of the file that was read.
+inline void require_one_line(std::string_view line, std::string_view file_name) {
   fuzz_require(line.starts_with(file_name), "a refusal names the file");
   fuzz_require(line.find(": error: ") != line.npos, "a refusal is marked as an error");
-  fuzz_require(!error.message().empty(), "a refusal says something");
   for (const char c : line) {
     const auto byte = static_cast<unsigned char>(c);
     fuzz_require(byte >= 0x20 && byte != 0x7f, "a refusal has no control characters");
   }
+}
+
+/// What every refusal of a reader must be.
+inline void require_one_line(const inbetween::InputError& error, std::string_view file_name) {
+  fuzz_require(!error.message().empty(), "a refusal says something");
+  require_one_line(std::string_view(error.what()), file_name);
 }
 
 namespace inbetween {
