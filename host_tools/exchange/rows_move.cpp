@@ -7,6 +7,7 @@
 #include "host_tools/exchange/table_words.hpp"
 #include "host_tools/exchange/toml_text.hpp"
 #include "host_tools/exchange/wrong_rows.hpp"
+#include "host_tools/move_model/move_file.hpp"
 #include "host_tools/text/csv_table.hpp"
 #include "inbetween/timing/track.hpp"
 
@@ -143,11 +144,11 @@ std::string rows_text_of(const RowsMove& move, const std::string& rows) {
       fmt::format_to(std::back_inserter(text), ",{}", position == 0 ? 0.0 : position);
     }
     text += '\n';
-    if (text.size() <= max_baked_bytes) continue;
+    if (text.size() <= max_table_bytes) continue;
     throw InputError({rows},
                      fmt::format("the rows would be more than {} MiB, which a move has at most; import the "
                                  "file in parts, or fewer of its columns",
-                                 max_baked_bytes >> 20U));
+                                 max_table_bytes >> 20U));
   }
   return text;
 }

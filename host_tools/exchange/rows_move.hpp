@@ -34,7 +34,7 @@ RowsMove rows_move_of(const BakedTable& table, const RigFile& rig, const std::st
 std::string move_text_of(const RowsMove& move, const std::string& rows);
 
 /// `frame,pan,tilt`, then a row a frame; numbers read back exactly. Throws InputError at `rows`, the name of
-/// the file, where it would have more than max_baked_bytes.
+/// the file, where it would have more than max_table_bytes, the bound of a table.
 std::string rows_text_of(const RowsMove& move, const std::string& rows);
 
 }  // namespace inbetween

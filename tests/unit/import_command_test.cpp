@@ -118,11 +118,16 @@ TEST_F(ImportCommand, WhatIsExportedComesBackToWithinItsDecimals) {
   const Plan plan(read_move_file(move_), read_rig_file(rig_), {});
   const CsvTable rows = parse_csv(file_contents(in_folder("back.csv")), "back.csv");
   ASSERT_EQ(rows.rows.size(), 193U);
+  const Plan back_again(read_move_file(in_folder("back.toml")), read_rig_file(rig_), {});
   std::vector<double> positions(plan.motion().axis_count());
+  std::vector<double> played(back_again.motion().axis_count());
   for (std::size_t frame = 0; frame < rows.rows.size(); ++frame) {
     plan.motion().positions({static_cast<std::int32_t>(frame), 0}, positions);
     EXPECT_NEAR(csv_number(rows, rows.rows[frame], 1), positions[0], 0.00051) << "0.00005 cm";
     EXPECT_NEAR(csv_number(rows, rows.rows[frame], 2), positions[1], 0.000051);
+    back_again.motion().positions({static_cast<std::int32_t>(frame), 0}, played);
+    EXPECT_NEAR(played[0], positions[0], 0.00051) << "a table meets its rows";
+    EXPECT_NEAR(played[1], positions[1], 0.000051);
   }
 }
 
