@@ -46,24 +46,23 @@ void refuse_rows_beyond(const BakedTable& table, const RigFile& rig) {
 /// Lagrange's in the middle, and beside an end those of the four rows that are there.
 std::vector<double> between_rows(const std::vector<double>& rows) {
   const std::size_t n = rows.size();
-  std::vector<double> positions(n + 1);
-  positions.front() = rows[0] - (rows[1] - rows[0]) / 2;
-  positions.back() = rows[n - 1] + (rows[n - 1] - rows[n - 2]) / 2;
+  std::vector<double> positions{rows[0] - (rows[1] - rows[0]) / 2};
   constexpr std::size_t rows_of_a_cubic = 4;
   const auto beside_end = [](double a, double b, double c, double d) {
     return (5 * a + 15 * b - 5 * c + d) / 16;
   };
   for (std::size_t frame = 1; frame < n; ++frame) {
     if (n < rows_of_a_cubic) {
-      positions[frame] = (rows[frame - 1] + rows[frame]) / 2;
+      positions.push_back((rows[frame - 1] + rows[frame]) / 2);
     } else if (frame == 1) {
-      positions[frame] = beside_end(rows[0], rows[1], rows[2], rows[3]);
+      positions.push_back(beside_end(rows[0], rows[1], rows[2], rows[3]));
     } else if (frame == n - 1) {
-      positions[frame] = beside_end(rows[n - 1], rows[n - 2], rows[n - 3], rows[n - 4]);
+      positions.push_back(beside_end(rows[n - 1], rows[n - 2], rows[n - 3], rows[n - 4]));
     } else {
-      positions[frame] = (9 * (rows[frame - 1] + rows[frame]) - rows[frame - 2] - rows[frame + 1]) / 16;
+      positions.push_back((9 * (rows[frame - 1] + rows[frame]) - rows[frame - 2] - rows[frame + 1]) / 16);
     }
   }
+  positions.push_back(rows[n - 1] + (rows[n - 1] - rows[n - 2]) / 2);
   return positions;
 }
 

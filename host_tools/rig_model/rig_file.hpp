@@ -14,8 +14,8 @@
 #include <variant>
 #include <vector>
 
-#include "host_tools/rig_model/rig_dragonframe.hpp"
 #include "host_tools/rig_model/gpio_line.hpp"
+#include "host_tools/rig_model/rig_dragonframe.hpp"
 #include "host_tools/rig_model/rig_gear.hpp"
 #include "host_tools/rig_model/rig_lens.hpp"
 #include "host_tools/text/diagnostics.hpp"
