@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -52,6 +54,18 @@ constexpr std::size_t per_span = 8;
   throw std::invalid_argument(why);
 }
 
+/// Exact positions may be so many tolerances from the path, and what is left of one early or late. A path
+/// that is nearer has more keys, and its curve may have fewer values: the three are tried.
+constexpr std::array<double, 3> path_shares{0.7, 0.3, 0.1};
+/// Exact positions that need more keys were not drawn so. The search takes seconds with these.
+constexpr std::size_t max_exact_keys = 40;
+/// Of exact positions the drawn number of control values is met, up to this one; more are tried in steps of a
+/// quarter.
+constexpr std::size_t max_single_spans = 32;
+/// A curve of exact positions is written with so many digits that rounding moves nothing by more than this
+/// share of the tolerance.
+constexpr double written_lag = 0.01;
+
 /// Counts of spans worth trying, rising.
 std::vector<std::size_t> span_counts(std::size_t samples) {
   std::vector<std::size_t> counts;
@@ -69,6 +83,7 @@ struct Recording {
     return positions[sample * axes + axis];
   }
   std::size_t axes = 0;
+  bool is_exact = false;
   std::int32_t frames = 1;
   std::vector<double> moments;       ///< 0..1
   std::vector<double> positions;     ///< in axis units
@@ -77,7 +92,7 @@ struct Recording {
 };
 
 Recording::Recording(const SampledMotion& sampled)
-    : axes(sampled.tolerances.size()), positions(sampled.positions) {
+    : axes(sampled.tolerances.size()), is_exact(sampled.is_exact), positions(sampled.positions) {
   const std::size_t count = sampled.times.size();
   if (count < 8) refuse("a motion needs 8 samples at least; draw longer");
   if (count > max_motion_samples) refuse(fmt::format("a motion has {} samples at most", max_motion_samples));
@@ -240,6 +255,73 @@ struct Keys {
   double deviation = 0;
 };
 
+/// How far the samples themselves bend between one and the next, in tolerances: a second difference is eight
+/// times that.
+double sag_of(const Recording& recording) {
+  double largest = 0;
+  for (std::size_t i = 1; i + 1 < recording.moments.size(); ++i) {
+    double square = 0;
+    for (const std::size_t a : recording.counted) {
+      const double bend = recording.at(i - 1, a) - 2 * recording.at(i, a) + recording.at(i + 1, a);
+      square += std::pow(bend * recording.scales[a] / 8, 2);
+    }
+    largest = std::max(largest, std::sqrt(square));
+  }
+  return largest;
+}
+
+/// So many points of the motion that are as far apart as each other along it.
+std::vector<std::size_t> even_points(const SmoothMotion& motion, const Recording& recording,
+                                     std::size_t count) {
+  std::vector<double> lengths{0};
+  for (std::size_t i = 1; i < motion.points.size(); ++i) {
+    double square = 0;
+    for (const std::size_t a : recording.counted)
+      square += std::pow((motion.points[i][a] - motion.points[i - 1][a]) * recording.scales[a], 2);
+    lengths.push_back(lengths.back() + std::sqrt(square));
+  }
+  std::vector<std::size_t> points{0};
+  for (std::size_t k = 1; k + 1 < count; ++k) {
+    const double at = lengths.back() * static_cast<double>(k) / static_cast<double>(count - 1);
+    const auto point = static_cast<std::size_t>(std::ranges::lower_bound(lengths, at) - lengths.begin());
+    if (point > points.back() && point + 1 < motion.points.size()) points.push_back(point);
+  }
+  points.push_back(motion.points.size() - 1);
+  return points;
+}
+
+/// From two keys on, one more at a time, until every sample is near enough. Each number of keys is tried from
+/// keys that are evenly apart, and from those before with one more where they miss most. Nothing where no
+/// path of `max_count` keys is near enough.
+std::optional<Keys> exact_keys(const SmoothMotion& motion, const Recording& recording,
+                               std::span<const double> weights, double share, std::size_t max_count) {
+  const PassedPoints samples = samples_of(motion, recording, weights);
+  std::vector<double> shares = recording.moments;
+  for (double& moment : shares) moment /= recording.moments.back();
+  const auto fit_through = [&](const std::vector<std::size_t>& points) {
+    return KeyFit(samples, keys_at(motion, points), places_between(points, shares));
+  };
+  const double astray = farthest_astray * (1 + sag_of(recording));
+  const auto is_near = [&](const KeyFit& fit) {
+    return fit.is_path() && fit.distance(fit.farthest()) <= share && fit.excursion() <= astray;
+  };
+  const auto keys_of = [](const KeyFit& fit) {
+    return Keys{
+        {fit.keys().begin(), fit.keys().end()}, {fit.places().begin(), fit.places().end()}, fit.deviation()};
+  };
+  KeyFit grown = fit_through({0, motion.points.size() - 1});
+  for (std::size_t count = 2; count <= max_count && grown.is_path(); ++count) {
+    grown.descend(max_key_steps);
+    if (is_near(grown)) return keys_of(grown);
+    KeyFit even = fit_through(even_points(motion, recording, count));
+    if (even.is_path()) even.descend(max_key_steps);
+    if (is_near(even)) return keys_of(even);
+    if (even.is_path() && even.mean_square() < grown.mean_square()) grown = even;
+    if (!grown.split_worst(0)) break;
+  }
+  return std::nullopt;
+}
+
 /// From few keys on, one more at a time, as long as the criterion gains by it.
 Keys fitted_keys(const SmoothMotion& motion, const Recording& recording, std::span<const double> weights) {
   const PassedPoints smooth = points_of(motion, recording, weights);
@@ -331,6 +413,49 @@ double square_left(std::span<const double> values, const Recording& recording,
   return square / static_cast<double>(distances.size());
 }
 
+double largest_left(std::span<const double> values, const Recording& recording,
+                    std::span<const double> distances) {
+  const ControlCurve curve(values);
+  const std::size_t spans = curve.span_count();
+  double largest = 0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const double a = recording.moments[i] * static_cast<double>(spans);
+    largest = std::max(largest, std::fabs(curve.at(place_at(a, spans)).area - distances[i]));
+  }
+  return largest;
+}
+
+/// span_counts() with every count of few spans.
+std::vector<std::size_t> exact_span_counts(std::size_t samples) {
+  std::vector<std::size_t> counts;
+  for (const std::size_t spans : span_counts(samples)) {
+    const std::size_t from = counts.empty() ? spans : counts.back() + 1;
+    for (std::size_t more = from; more < spans && more <= max_single_spans; ++more) counts.push_back(more);
+    counts.push_back(spans);
+  }
+  return counts;
+}
+
+/// The first curve by which no sample is early or late by more than `tolerance`, in distance.
+std::optional<Pace> exact_pace(const Recording& recording, std::span<const double> distances, double total,
+                               double tolerance) {
+  for (const std::size_t spans : exact_span_counts(distances.size())) {
+    const CurveSamples samples(recording.moments, spans);
+    for (const auto& [start, end] : {std::pair(true, true), {true, false}, {false, true}, {false, false}}) {
+      const CurveBounds bounds{.total = total, .rests_at_start = start, .rests_at_end = end};
+      const auto values = samples.fit(distances, bounds);
+      if (!values || largest_left(*values, recording, distances) > tolerance) continue;
+      Pace pace{.values = *values, .lag = std::sqrt(square_left(*values, recording, distances)) / total};
+      const double scale = largest_value / *std::ranges::max_element(*values);
+      const double digits =
+          std::pow(10, std::ceil(-std::log10(written_lag * largest_value * tolerance / total)));
+      for (double& value : pace.values) value = std::round(value * scale * digits) / digits;
+      return pace;
+    }
+  }
+  return std::nullopt;
+}
+
 Pace fitted_pace(const Recording& recording, std::span<const double> distances, double total,
                  double tolerance) {
   std::vector<double> best;
@@ -362,6 +487,55 @@ Pace fitted_pace(const Recording& recording, std::span<const double> distances, 
   return pace;
 }
 
+/// The distances of the samples along the path of these keys.
+struct PassedDistances {
+  std::vector<double> samples;
+  double total = 0;
+  double tolerance = 0;  ///< so much distance is a tolerance
+};
+
+PassedDistances distances_along(const Keys& keys, const SmoothMotion& motion, const Recording& recording,
+                                std::span<const double> weights) {
+  const PassedPoints samples = samples_of(motion, recording, weights);
+  std::vector<double> distances = distances_of(KeyFit(samples, keys.at, keys.places));
+  const double total = distances.back();
+  distances.pop_back();
+  return {std::move(distances), total, total / length_of(motion, recording)};
+}
+
+MotionFit fit_of(const Keys& keys, const Pace& pace, const Recording& recording, double noise) {
+  MotionFit found{.keys = {},
+                  .speed = pace.values,
+                  .frames = recording.frames,
+                  .noise = noise,
+                  .deviation = keys.deviation,
+                  .lag = pace.lag};
+  for (auto key = keys.at.begin(); key != keys.at.end(); key += static_cast<std::ptrdiff_t>(recording.axes))
+    found.keys.emplace_back(key, key + static_cast<std::ptrdiff_t>(recording.axes));
+  return found;
+}
+
+MotionFit fit_exactly(const SmoothMotion& motion, const Recording& recording, std::span<const double> weights,
+                      std::size_t max_numbers) {
+  std::optional<MotionFit> best;
+  std::size_t fewest = max_numbers;  // not more than these
+  for (const double share : path_shares) {
+    const std::size_t max_count = std::min(max_exact_keys, fewest / recording.axes);
+    const std::optional<Keys> keys = recording.counted.size() == 1
+                                         ? std::optional(fitted_keys(motion, recording, weights))
+                                         : exact_keys(motion, recording, weights, share, max_count);
+    if (!keys) continue;
+    const PassedDistances along = distances_along(*keys, motion, recording, weights);
+    const double left = std::sqrt(1 - share * share) * along.tolerance;
+    const std::optional<Pace> pace = exact_pace(recording, along.samples, along.total, left);
+    if (!pace || keys->at.size() + pace->values.size() > fewest) continue;
+    fewest = keys->at.size() + pace->values.size() - 1;
+    best = fit_of(*keys, *pace, recording, motion.noise);
+  }
+  if (!best) refuse("no path and no speed curve keep the tolerance; allow more");
+  return *best;
+}
+
 }  // namespace
 
 MotionFit fit_motion(const SampledMotion& sampled) {
@@ -369,22 +543,11 @@ MotionFit fit_motion(const SampledMotion& sampled) {
   if (recording.counted.empty()) refuse("an axis must count");
   const SmoothMotion motion = smoothed(recording);
   if (!(extent_of(motion, recording) > 1)) refuse("the motion goes nowhere; draw farther");
+  if (recording.is_exact) return fit_exactly(motion, recording, sampled.weights, sampled.max_numbers);
   const Keys keys = fitted_keys(motion, recording, sampled.weights);
-  const PassedPoints samples = samples_of(motion, recording, sampled.weights);
-  const KeyFit fit(samples, keys.at, keys.places);
-  std::vector<double> distances = distances_of(fit);
-  const double total = distances.back();
-  distances.pop_back();
-  const Pace pace = fitted_pace(recording, distances, total, total / length_of(motion, recording));
-  MotionFit found{.keys = {},
-                  .speed = pace.values,
-                  .frames = recording.frames,
-                  .noise = motion.noise,
-                  .deviation = keys.deviation,
-                  .lag = pace.lag};
-  for (auto key = keys.at.begin(); key != keys.at.end(); key += static_cast<std::ptrdiff_t>(recording.axes))
-    found.keys.emplace_back(key, key + static_cast<std::ptrdiff_t>(recording.axes));
-  return found;
+  const PassedDistances along = distances_along(keys, motion, recording, sampled.weights);
+  const Pace pace = fitted_pace(recording, along.samples, along.total, along.tolerance);
+  return fit_of(keys, pace, recording, motion.noise);
 }
 
 }  // namespace inbetween

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace inbetween {
@@ -21,6 +22,11 @@ struct SampledMotion {
   std::vector<double> tolerances;
   std::vector<double> weights;  ///< of the track, one per axis
   double frames_per_second = 24;
+  /// Positions of a program and not of a hand: without noise, so that what the tolerance leaves is all that
+  /// may be missed.
+  bool is_exact = false;
+  /// Of exact positions: in keys and control values. With more there is no fit.
+  std::size_t max_numbers = std::numeric_limits<std::size_t>::max();
 };
 
 /// A track with a smooth path. Distances are counted in tolerances: the root of the sum of squares over the
@@ -42,6 +48,9 @@ struct MotionFit {
 /// same criterion gains by it. The speed curve: the least squares of the distance at which each sample lies
 /// along that path, over control values that are not negative; how many, and whether it begins and ends at
 /// rest, the criterion says. The path of a single axis goes through its turning points instead.
+///
+/// Of exact positions the first path, with a key more each time, and the first curve, with some control
+/// values more each time, that keep the tolerance: keys, and then values, as few as are found.
 ///
 /// Throws std::invalid_argument, one line, where there are too few samples or too many, a number is not
 /// finite, times do not rise, nothing moves, or no path with `max_drawn_keys` keys keeps the tolerance.
