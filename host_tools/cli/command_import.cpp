@@ -11,10 +11,12 @@
 #include "host_tools/cli/asked_answers.hpp"
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/exchange_arguments.hpp"
+#include "host_tools/cli/import_fit.hpp"
 #include "host_tools/cli/take_arguments.hpp"
 #include "host_tools/cli/take_table.hpp"
 #include "host_tools/exchange/arc_move.hpp"
 #include "host_tools/exchange/import_answers.hpp"
+#include "host_tools/exchange/keyed_move.hpp"
 #include "host_tools/exchange/rows_move.hpp"
 #include "host_tools/exchange/table_answers.hpp"
 #include "host_tools/exchange/table_csv.hpp"
@@ -32,6 +34,9 @@ struct ImportArguments {
   ExchangeArguments exchange;
   bool has_decimal_commas = false;
   bool fills_gaps = false;
+  std::vector<std::string> tolerances, resolutions;
+  bool leaves_spikes_out = false;
+  std::optional<std::string> plot;
   std::optional<std::int32_t> rate_hz;
   std::optional<double> reach_s;
 };
@@ -72,7 +77,8 @@ std::string path_from_rig(const std::string& urdf, const std::string& rig) {
 void refuse_options_of_motions(const ImportArguments& arguments) {
   const ExchangeArguments& exchange = arguments.exchange;
   const bool is_motion = arguments.rig || !exchange.counts.empty() || exchange.fps || exchange.phase ||
-                         exchange.up || exchange.take || exchange.is_measured;
+                         exchange.up || exchange.take || exchange.is_measured || arguments.plot ||
+                         !arguments.tolerances.empty() || !arguments.resolutions.empty();
   if (is_motion)
     throw UsageError(fmt::format("{} becomes a rig; leave out what is said of motions", arguments.file));
 }
@@ -192,17 +198,37 @@ BakedTable table_of_take_file(const ImportArguments& arguments) {
                        arguments.exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told);
 }
 
-int write_rows_move(const ImportArguments& arguments, const RowsMove& move) {
-  const std::filesystem::path to = arguments.to;
-  const std::string rows = std::filesystem::path(to).replace_extension(".csv").string();
+double seconds_of(const RowsMove& move) {
+  return static_cast<double>(move.frames()) / move.fps.frames_per_second();
+}
+
+/// Beside the move.
+std::string rows_file_of(const ImportArguments& arguments) {
+  return std::filesystem::path(arguments.to).replace_extension(".csv").string();
+}
+
+void write_rows_move(const ImportArguments& arguments, const RowsMove& move) {
+  const std::string rows = rows_file_of(arguments);
   refuse_to_overwrite(rows, arguments.exchange.may_overwrite);
   check_output(rows);
   write_text(rows, rows_text_of(move, rows));
   write_text(arguments.to, move_text_of(move, std::filesystem::path(rows).filename().string()));
   fmt::print("{} and {}: {} frames of {} at {} fps, {:.3f} s\n", arguments.to, rows, move.frames(),
-             comma_separated(move.axes), to_string(move.fps),
-             static_cast<double>(move.frames()) / move.fps.frames_per_second());
-  return 0;
+             comma_separated(move.axes), to_string(move.fps), seconds_of(move));
+}
+
+void write_fitted_move(const ImportArguments& arguments, const RigFile& rig, const RowsMove& rows,
+                       const std::vector<double>& tolerances) {
+  const RowFit fit = fit_rows_move(rows, rig, tolerances);
+  std::vector<std::string> comments = rows.comments;
+  for (std::size_t a = 0; a < rows.axes.size(); ++a)
+    comments.push_back(
+        fmt::format("{} is within {} of its rows on every frame.", rows.axes[a], tolerances[a]));
+  write_text(arguments.to, keyed_move_text_of(fit.move, comments));
+  if (arguments.plot) draw_fit(rows, fit, rig, *arguments.plot);
+  fmt::print("{}: {} frames of {} at {} fps, {:.3f} s, in {} of {} numbers\n", arguments.to, rows.frames(),
+             comma_separated(rows.axes), to_string(rows.fps), seconds_of(rows), fit.numbers,
+             rows.axes.size() * (rows.frames() + 1));
 }
 
 int import_motion(const ImportArguments& arguments, BakedTable table, const ExchangeWords& words) {
@@ -218,12 +244,22 @@ int import_motion(const ImportArguments& arguments, BakedTable table, const Exch
                   .phase = words.phase};
   const bool was_asked = ask_open_questions(table, rig, lines_of_terminal(), said);
   table = imported_table(std::move(table), rig, said);
+  std::vector<double> tolerances;
+  if (!arguments.tolerances.empty()) tolerances = numbers_of_axes(arguments.tolerances, table, "--fit");
+  if (!arguments.resolutions.empty()) {
+    smooth_table(table, rig, numbers_of_axes(arguments.resolutions, table, "--smooth"),
+                 arguments.leaves_spikes_out);
+  }
   const RowsMove move = rows_move_of(table, rig, stem_of(arguments.to));
   for (const Warning& warning : table.warnings) complain(to_string(warning));
   for (const std::string& warning : move.warnings) complain(to_string(Warning{{arguments.file}, warning}));
-  const int status = write_rows_move(arguments, move);
+  if (tolerances.empty()) {
+    write_rows_move(arguments, move);
+  } else {
+    write_fitted_move(arguments, rig, move, tolerances);
+  }
   if (was_asked) fmt::print("  without questions:{}\n", as_options(said));
-  return status;
+  return 0;
 }
 
 bool is_urdf(const std::string& file, const std::string& text) {
@@ -235,9 +271,15 @@ bool is_urdf(const std::string& file, const std::string& text) {
 int import_command(const ImportArguments& arguments) {
   if (arguments.to == "-" || !arguments.to.ends_with(".toml"))
     throw UsageError(fmt::format("--to {}: name a move or a rig, which ends in .toml", arguments.to));
-  const std::string rows = std::filesystem::path(arguments.to).replace_extension(".csv").string();
-  refuse_outputs_in_one_place({{"FILE", arguments.file}, {"--rig", arguments.rig}}, {{"--to", arguments.to}});
-  refuse_outputs_in_one_place({{"FILE", arguments.file}}, {{"the rows beside --to", rows}});
+  if (arguments.leaves_spikes_out && arguments.resolutions.empty())
+    throw UsageError("--without-spikes is for --smooth, which finds them");
+  if (arguments.plot && arguments.tolerances.empty()) throw UsageError("--plot draws what --fit misses");
+  refuse_unknown_picture(arguments.plot);
+  refuse_outputs_in_one_place({{"FILE", arguments.file}, {"--rig", arguments.rig}},
+                              {{"--to", arguments.to}, {"--plot", arguments.plot}});
+  if (arguments.tolerances.empty())
+    refuse_outputs_in_one_place({{"FILE", arguments.file}},
+                                {{"the rows beside --to", rows_file_of(arguments)}});
   refuse_to_overwrite(arguments.to, arguments.exchange.may_overwrite);
   check_output(arguments.to);
   const ExchangeWords words = exchange_words_of(arguments.exchange);
@@ -274,6 +316,11 @@ in the exposure a row is. Nothing is guessed: an option says it, or it is asked 
 agrees to what is suggested. Without a terminal one error line names all that is open, and its options. A column
 goes by itself to the axis of exactly its name. Once one has an --axis, those without an axis are left out.
 
+--fit TOLERANCE makes keys of the rows, which can be edited: few keys and a drawn speed curve, or few keys on
+frames, whichever takes fewer numbers, never further than the tolerance from a row. --smooth RESOLUTION first takes
+the steps out of rows that were rounded, in whole degrees or counts, say: the smoothest motion within half of it of
+every row. A row that no smooth motion passes is named; --without-spikes leaves it out.
+
 --phase centre puts row k half a frame behind frame k, as exposures are: the frames are computed between the rows.
 With --phase boundary row k is frame k; this is what stop motion takes.
 
@@ -293,6 +340,7 @@ Examples:
   inbetween import c.chan --rig rig.toml --to c.toml --axis tx=slide --axis ry=-pan --unit cm --fps 25 --up y
   inbetween import j.json --rig rig.toml --to j.toml --axis Jaw=jaw --count "Jaw=1500,-0.1deg" --phase boundary
   inbetween import takes.db --take 7 --measured --rig rig.toml --to again.toml
+  inbetween import ik.json --rig rig.toml --to ik.toml --fps 24 --phase boundary --smooth 1 --fit 0.2 --plot fit.png
   inbetween import robot.urdf --to rig.toml --rate-hz 250 --reach 0.5)";
 
 void describe(CLI::App& app, ImportArguments& arguments) {
@@ -311,6 +359,20 @@ void describe(CLI::App& app, ImportArguments& arguments) {
                "of a CSV file: frames that are missing lie on a line between their neighbours");
   app.add_option("--frame-column", arguments.frame_column, "of a CSV file: the column of frame numbers");
   app.add_option("--seconds-column", arguments.seconds_column, "of a CSV file: the column of times");
+  app.add_option(
+         "--fit", arguments.tolerances,
+         "few keys and a speed curve, or keys on frames, within this of every row: of all axes in the unit "
+         "of each, or AXIS=NUMBER")
+      ->type_name("TOLERANCE")
+      ->allow_extra_args(false);
+  app.add_option(
+         "--smooth", arguments.resolutions,
+         "rows were rounded to this, of all axes or AXIS=NUMBER: the smoothest motion within half of it")
+      ->type_name("RESOLUTION")
+      ->allow_extra_args(false);
+  app.add_flag("--without-spikes", arguments.leaves_spikes_out,
+               "rows that stand out follow the motion around them; without it they are refused by --smooth");
+  app.add_option("--plot", arguments.plot, "a picture of what --fit misses (.svg, .png or .pdf)");
   app.add_option("--rate-hz", arguments.rate_hz, "of a rig that is made: its ticks a second")
       ->check(between(1, max_rate_hz));
   app.add_option("--reach", arguments.reach_s,

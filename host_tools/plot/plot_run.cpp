@@ -40,7 +40,7 @@ void draw_line(Canvas& canvas, std::span<const Point> points, const Scale& x, co
   if (line.size() > 1) canvas.polyline(simplified(line, 0.1), stroke);
 }
 
-void name_row(Canvas& canvas, const Box& area, const RunPlotAxis& axis, const char* quantity,
+void name_row(Canvas& canvas, const Box& area, const RunPlotAxis& axis, const std::string& quantity,
               const TickLabels& labels) {
   const TextStyle bold{.size = 12, .color = plot_color::ink, .bold = true};
   const TextStyle plain{.size = 11, .color = plot_color::quiet};
@@ -51,7 +51,8 @@ void name_row(Canvas& canvas, const Box& area, const RunPlotAxis& axis, const ch
               elided(canvas, axis_title(quantity, axis.unit, labels), plain, left_side - 62), plain);
 }
 
-void draw_axis(Canvas& canvas, Box area, const Scale& x, const RunPlotAxis& axis, Color color) {
+void draw_axis(Canvas& canvas, Box area, const Scale& x, const RunPlotAxis& axis, const RunPlotWords& words,
+               Color color) {
   area.height = positions_row;
   const double start = axis.actual.empty() ? 0 : axis.actual.front().y;
   const Scale place(widened(height_of(axis.commanded, height_of(axis.actual, {start, start})), 0.08),
@@ -64,7 +65,7 @@ void draw_axis(Canvas& canvas, Box area, const Scale& x, const RunPlotAxis& axis
   area.height = error_row;
   const Range errors = height_of(axis.following_error, {0, 0});
   const Scale error(widened(errors, 0.08), area.bottom(), area.y);
-  name_row(canvas, area, axis, "following error", draw_left_ticks(canvas, area, error));
+  name_row(canvas, area, axis, words.error, draw_left_ticks(canvas, area, error));
   canvas.outline(area, {plot_color::frame});
   draw_line(canvas, axis.following_error, x, error, {color, 1.6});
   canvas.text({area.right() + 10, area.y + area.height / 2},
@@ -89,15 +90,14 @@ void draw_run_plot(const RunPlot& plot, const std::filesystem::path& file, Pictu
   canvas.text({page_margin, page_margin + 42}, plot.summary, {.size = 13, .color = plot_color::quiet});
   Box area{page_margin + left_side, page_margin + title_height + above_axes,
            content_width - left_side - right_side, height};
-  draw_heading(canvas, {page_margin, area.y - 14}, "Positions over seconds",
-               "dashed: commanded; line: actual", content_width);
+  draw_heading(canvas, {page_margin, area.y - 14}, plot.words.heading, plot.words.legend, content_width);
   const Scale x(widened(range_of(ends), 0), area.x, area.right());
   draw_bottom_ticks(canvas, area, x);
   for (std::size_t a = 0; a < plot.axes.size(); ++a) {
-    draw_axis(canvas, area, x, plot.axes[a], track_color(a));
+    draw_axis(canvas, area, x, plot.axes[a], plot.words, track_color(a));
     area.y += axis_height + between_axes;
   }
-  canvas.write(plot.name, fmt::format("{}; positions as commanded and as they were", plot.summary));
+  canvas.write(plot.name, fmt::format("{}; {}", plot.summary, plot.words.description));
 }
 
 }  // namespace inbetween

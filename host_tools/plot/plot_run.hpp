@@ -19,10 +19,19 @@ struct RunPlotAxis {
   std::vector<Point> following_error = {};  // of it, none where it was told nothing
 };
 
+/// What the picture calls what it shows.
+struct RunPlotWords {
+  std::string error = "following error";
+  std::string heading = "Positions over seconds";
+  std::string legend = "dashed: commanded; line: actual";
+  std::string description = "positions as commanded and as they were";
+};
+
 struct RunPlot {
   std::string name;
   std::string summary;
   std::vector<RunPlotAxis> axes;
+  RunPlotWords words = {};
 };
 
 /// Draws one page, 1400 pixels wide, and writes it as SVG, PNG or PDF by the ending of the file's name: for

@@ -87,10 +87,13 @@ TEST_F(ImportCommand, NothingIsWrittenOverUnlessSomebodySaysSo) {
   std::vector<std::string> over = all_of_pan;
   over.emplace_back("--over");
   EXPECT_EQ(import_rows(file, "pan.toml", over).status, 0);
-  // What is read is never written over, whatever is said.
-  const ProgramRun itself = import_rows(written("own.csv", "frame,pan\n0,0\n1,1\n"), "own.toml", over);
-  EXPECT_EQ(itself.status, 2);
-  EXPECT_THAT(itself.err, HasSubstr("would both be"));
+  // What is read is never written over, whatever is said: the rows get another name.
+  const std::string own = written("own.csv", "frame,pan\n0,0\n1,1\n");
+  const ProgramRun itself =
+      import_rows(own, "own.toml", {"--fps", "24", "--unit", "deg", "--phase", "boundary", "--over"});
+  EXPECT_EQ(itself.status, 0) << itself.err;
+  EXPECT_EQ(file_contents(own), "frame,pan\n0,0\n1,1\n");
+  EXPECT_THAT(file_contents(in_folder("own.toml")), HasSubstr("table = \"own_rows.csv\""));
 }
 
 TEST_F(ImportCommand, EveryWrongRowHasItsLine) {
@@ -255,6 +258,71 @@ TEST_F(ImportCommand, WrongUsageSaysWhatIsMeant) {
   EXPECT_THAT(export_move("-", {}).err, HasSubstr("say the format with --format"));
   EXPECT_THAT(export_move("a.txt", {}).err, HasSubstr("with --format"));
   EXPECT_THAT(import_rows(written("bare", "0 1\n1 2\n"), "pan.toml", {}).err, HasSubstr("(--format)"));
+}
+
+/// 0 to 50 degrees in whole degrees, as a servo's animation is baked.
+std::string rows_in_whole_degrees() {
+  std::string text;
+  for (int frame = 0; frame <= 150; ++frame) {
+    const double t = frame / 150.0;
+    text += fmt::format("{:.0f}\n", 50 * t * t * t * (10 - 15 * t + 6 * t * t));
+  }
+  return text;
+}
+
+TEST_F(ImportCommand, AStaircaseOfWholeDegreesIsAMoveOfFewKeysThatTheRigCanFollow) {
+  const std::string file = written("in.txt", rows_in_whole_degrees());
+  std::vector<std::string> more = all_of_pan;
+  more.insert(more.end(), {"--smooth", "1", "--fit", "pan=0.2", "--plot", in_folder("fit.svg")});
+  const ProgramRun run = import_rows(file, "pan.toml", more);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("by its rounding it would be 576"),
+                             HasSubstr("misses its rows by up to 0."), HasSubstr(" of 151 numbers")));
+  EXPECT_FALSE(std::filesystem::exists(in_folder("pan.csv")));
+  EXPECT_THAT(file_contents(in_folder("fit.svg")), HasSubstr("rows and the move that was fitted to them"));
+  const MoveFile move = read_move_file(in_folder("pan.toml"));
+  EXPECT_LE(move.tracks.at(0).keys.size(), 6U);
+  const ProgramRun check = run_program({"check", in_folder("pan.toml"), "--rig", rig_});
+  EXPECT_EQ(check.status, 0) << check.out << check.err;
+}
+
+TEST_F(ImportCommand, ASpikeIsALineAndNothingIsWrittenUntilItIsLeftOut) {
+  std::string text;
+  for (int frame = 0; frame <= 60; ++frame)
+    text += fmt::format("{:.2f}\n", frame == 30 ? 44.0 : 20 * std::sin(frame / 20.0));
+  const std::string file = written("in.txt", text);
+  std::vector<std::string> more = all_of_pan;
+  more.insert(more.end(), {"--smooth", "0.01"});
+  const ProgramRun run = import_rows(file, "pan.toml", more);
+  EXPECT_EQ(run.status, 1);
+  EXPECT_THAT(run.err, AllOf(StartsWith(file + ":31"),
+                             HasSubstr("axis \"pan\" is 24.05 deg off the motion around it on frame 30"),
+                             HasSubstr("--without-spikes")));
+  EXPECT_FALSE(std::filesystem::exists(in_folder("pan.toml")));
+  more.emplace_back("--without-spikes");
+  const ProgramRun without = import_rows(file, "pan.toml", more);
+  EXPECT_EQ(without.status, 0) << without.err;
+  EXPECT_THAT(without.err, HasSubstr("it follows that motion instead"));
+  const CsvTable rows = parse_csv(file_contents(in_folder("pan.csv")), "pan.csv");
+  EXPECT_NEAR(std::stod(rows.rows.at(30).fields.at(1)), 20 * std::sin(1.5), 0.01);
+}
+
+TEST_F(ImportCommand, TolerancesAreSaidOfEveryAxisOnce) {
+  const std::string file = written("in.txt", "0\n10\n20\n30\n");
+  const auto refusal = [&](std::vector<std::string> last) {
+    std::vector<std::string> more = all_of_pan;
+    more.insert(more.end(), last.begin(), last.end());
+    const ProgramRun run = import_rows(file, "pan.toml", more);
+    EXPECT_EQ(run.status, 2);
+    EXPECT_FALSE(std::filesystem::exists(in_folder("pan.toml")));
+    return run.err;
+  };
+  EXPECT_THAT(refusal({"--fit", "0"}), HasSubstr("write a number above 0, or AXIS=NUMBER"));
+  EXPECT_THAT(refusal({"--fit", "tilt=1"}), HasSubstr("no column is this axis"));
+  EXPECT_THAT(refusal({"--fit", "1", "--fit", "2"}), HasSubstr("was said before"));
+  EXPECT_THAT(refusal({"--fit", "pan=1", "--fit", "pan=2"}), HasSubstr("has a number already"));
+  EXPECT_THAT(refusal({"--without-spikes"}), HasSubstr("--without-spikes is for --smooth"));
+  EXPECT_THAT(refusal({"--plot", "x.svg"}), HasSubstr("--plot draws what --fit misses"));
 }
 
 }  // namespace import_command_test
