@@ -17,12 +17,12 @@
 #include "host_tools/exchange/arc_move.hpp"
 #include "host_tools/exchange/import_answers.hpp"
 #include "host_tools/exchange/keyed_move.hpp"
+#include "host_tools/exchange/motion_reading.hpp"
 #include "host_tools/exchange/rows_move.hpp"
 #include "host_tools/exchange/table_answers.hpp"
 #include "host_tools/exchange/table_csv.hpp"
 #include "host_tools/exchange/urdf_rig.hpp"
 #include "host_tools/joints/kinematics.hpp"
-#include "host_tools/text/ini_sections.hpp"
 #include "host_tools/text/output_file.hpp"
 
 namespace inbetween {
@@ -144,17 +144,12 @@ int import_scene(const ImportArguments& arguments, const ArcScene& scene) {
 
 // --- a motion
 
-char separator_of(const std::string& word) {
-  if (word == "comma") return ',';
-  return word == "semicolon" ? ';' : '\t';
-}
-
 CsvReading csv_reading_of(const ImportArguments& arguments) {
   CsvReading reading{.has_decimal_commas = arguments.has_decimal_commas,
                      .fills_gaps = arguments.fills_gaps,
                      .frame_column = arguments.frame_column,
                      .seconds_column = arguments.seconds_column};
-  if (arguments.separator) reading.separator = separator_of(*arguments.separator);
+  if (arguments.separator) reading.separator = separator_of_word(*arguments.separator);
   return reading;
 }
 
@@ -167,18 +162,17 @@ void refuse_options_of_csv(const ImportArguments& arguments, ExchangeFormat form
   }
 }
 
-BakedTable read_motion(const ImportArguments& arguments, ExchangeFormat format, const std::string& text) {
+RecordedPositions positions_of(const ImportArguments& arguments) {
+  return arguments.exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told;
+}
+
+BakedTable read_named_motion(const ImportArguments& arguments, ExchangeFormat format,
+                             const std::string& text) {
   refuse_options_of_csv(arguments, format);
-  const bool is_record = format == ExchangeFormat::record;
-  if (arguments.exchange.is_measured && !is_record)
+  if (arguments.exchange.is_measured && format != ExchangeFormat::record)
     throw UsageError("--measured is for a take or a record; leave it out");
-  if (is_record) {
-    return read_record_table(
-        text, arguments.file,
-        arguments.exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told);
-  }
-  if (format == ExchangeFormat::csv) return read_table_csv(text, arguments.file, csv_reading_of(arguments));
-  return read_baked_table(format, text, arguments.file);
+  return read_motion(format, text, arguments.file,
+                     {.csv = csv_reading_of(arguments), .positions = positions_of(arguments)});
 }
 
 ExchangeFormat format_of(const ImportArguments& arguments, const ExchangeWords& words,
@@ -186,20 +180,14 @@ ExchangeFormat format_of(const ImportArguments& arguments, const ExchangeWords& 
   if (words.format) return *words.format;
   try {
     return exchange_format_of(arguments.file, text);
-  } catch (const InputError& error) {
-    if (error.message().find("say which format") == std::string::npos) throw;
-    throw InputError(error.place(), error.message() + " (--format)");
+  } catch (const UnclearFormat& unclear) {
+    throw InputError(unclear.place(), unclear.message() + " (--format)");
   }
 }
 
 BakedTable table_of_take_file(const ImportArguments& arguments) {
   TakeStore store(named_takes_file(arguments.file), TakeStore::Access::read);
-  return ticks_of_take(store, *arguments.exchange.take,
-                       arguments.exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told);
-}
-
-double seconds_of(const RowsMove& move) {
-  return static_cast<double>(move.frames()) / move.fps.frames_per_second();
+  return ticks_of_take(store, *arguments.exchange.take, positions_of(arguments));
 }
 
 /// Beside the move.
@@ -213,8 +201,7 @@ void write_rows_move(const ImportArguments& arguments, const RowsMove& move) {
   check_output(rows);
   write_text(rows, rows_text_of(move, rows));
   write_text(arguments.to, move_text_of(move, std::filesystem::path(rows).filename().string()));
-  fmt::print("{} and {}: {} frames of {} at {} fps, {:.3f} s\n", arguments.to, rows, move.frames(),
-             comma_separated(move.axes), to_string(move.fps), seconds_of(move));
+  fmt::print("{} and {}: {}\n", arguments.to, rows, summary_of(move));
 }
 
 void write_fitted_move(const ImportArguments& arguments, const RigFile& rig, const RowsMove& rows,
@@ -226,8 +213,7 @@ void write_fitted_move(const ImportArguments& arguments, const RigFile& rig, con
         fmt::format("{} is within {} of its rows on every frame.", rows.axes[a], tolerances[a]));
   write_text(arguments.to, keyed_move_text_of(fit.move, comments));
   if (arguments.plot) draw_fit(rows, fit, rig, *arguments.plot);
-  fmt::print("{}: {} frames of {} at {} fps, {:.3f} s, in {} of {} numbers\n", arguments.to, rows.frames(),
-             comma_separated(rows.axes), to_string(rows.fps), seconds_of(rows), fit.numbers,
+  fmt::print("{}: {}, in {} of {} numbers\n", arguments.to, summary_of(rows), fit.numbers,
              rows.axes.size() * (rows.frames() + 1));
 }
 
@@ -262,12 +248,6 @@ int import_motion(const ImportArguments& arguments, BakedTable table, const Exch
   return 0;
 }
 
-bool is_urdf(const std::string& file, const std::string& text) {
-  if (lower_case(std::filesystem::path(file).extension().string()) == ".urdf") return true;
-  return trimmed(text).starts_with('<') && text.find("<robot") != std::string::npos &&
-         text.find(arc_namespace) == std::string::npos;
-}
-
 int import_command(const ImportArguments& arguments) {
   if (arguments.to == "-" || !arguments.to.ends_with(".toml"))
     throw UsageError(fmt::format("--to {}: name a move or a rig, which ends in .toml", arguments.to));
@@ -292,9 +272,10 @@ int import_command(const ImportArguments& arguments) {
     return import_motion(arguments, table_of_take_file(arguments), words);
   }
   const std::string text = read_text_file(arguments.file, max_baked_bytes);
-  if (text.starts_with("SQLite format 3"))
+  const ImportedFile kind = imported_file_of(arguments.file, text);
+  if (kind == ImportedFile::takes)
     throw InputError({arguments.file}, "this is a file of takes; name one of them with --take N");
-  if (is_urdf(arguments.file, text)) return import_urdf(arguments, text);
+  if (kind == ImportedFile::robot) return import_urdf(arguments, text);
   if (arguments.reach_s) throw UsageError("--reach is for the rig of a URDF file; leave it out");
   const ExchangeFormat format = format_of(arguments, words, text);
   if (format == ExchangeFormat::arc_scene) {
@@ -302,7 +283,7 @@ int import_command(const ImportArguments& arguments) {
     if (!scene.has_motion()) return import_scene(arguments, scene);
   }
   if (arguments.rate_hz) throw UsageError("--rate-hz is for a rig; a motion has --fps");
-  return import_motion(arguments, read_motion(arguments, format, text), words);
+  return import_motion(arguments, read_named_motion(arguments, format, text), words);
 }
 
 constexpr char import_explanation[] =

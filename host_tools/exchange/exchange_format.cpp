@@ -147,12 +147,16 @@ ExchangeFormat exchange_format_of(const std::string& file, std::string_view text
       both == Formats{raw_move} && std::ranges::find(content, nuke_chan) != content.end();
   if (both.size() == 1 && !is_chan_as_text) return both.front();
   if (both.empty()) {
-    throw InputError({file}, fmt::format("by its extension it is {}, and what stands in it is {}; say which "
-                                         "format it has",
-                                         words_of_formats(extension), words_of_formats(content)));
+    throw UnclearFormat(file,
+                        fmt::format("by its extension it is {}, and what stands in it is {}; say which "
+                                    "format it has",
+                                    words_of_formats(extension), words_of_formats(content)),
+                        content);
   }
-  throw InputError({file}, fmt::format("what stands in it may be {}; say which format it has",
-                                       words_of_formats(is_chan_as_text ? content : both)));
+  const Formats& open = is_chan_as_text ? content : both;
+  throw UnclearFormat(
+      file, fmt::format("what stands in it may be {}; say which format it has", words_of_formats(open)),
+      open);
 }
 
 ExchangeFormat exchange_format_to_write(const std::string& file) {

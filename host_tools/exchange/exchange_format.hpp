@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "host_tools/exchange/baked_table.hpp"
 #include "host_tools/exchange/table_text.hpp"
@@ -30,9 +32,20 @@ inline constexpr std::array<std::string_view, 10> exchange_format_words = {
 std::string_view to_string(ExchangeFormat format);
 std::optional<ExchangeFormat> exchange_format_of_word(std::string_view word);
 
-/// The format of a file by what it contains and by its extension, which must agree. Throws InputError at the
-/// file where nobody can be sure, with those that it may be: bare rows of numbers are three formats, and only
-/// .txt, .mov and .chan tell them apart.
+/// A file may be of several formats, and somebody has to say which it has.
+class UnclearFormat : public InputError {
+ public:
+  UnclearFormat(const std::string& file, const std::string& message, std::vector<ExchangeFormat> formats)
+      : InputError({file}, message), formats_(std::move(formats)) {}
+  [[nodiscard]] const std::vector<ExchangeFormat>& formats() const { return formats_; }
+
+ private:
+  std::vector<ExchangeFormat> formats_;
+};
+
+/// The format of a file by what it contains and by its extension, which must agree. Throws UnclearFormat
+/// where nobody can be sure, with those that it may be: bare rows of numbers are three formats, and only
+/// .txt, .mov and .chan tell them apart. Throws InputError at the file where it has none.
 ExchangeFormat exchange_format_of(const std::string& file, std::string_view text);
 
 /// The format of a file that is to be written, by its extension. Throws InputError where several formats have

@@ -235,6 +235,36 @@ std::vector<OpenQuestion> open_questions(const BakedTable& table, const RigFile&
   return open;
 }
 
+std::vector<std::string> choices_of(const OpenQuestion& question, const RigFile& rig) {
+  switch (question.asks) {
+    case TableAsks::names: {
+      std::vector<std::string> choices = {"-"};
+      for (const RigAxis& axis : rig.axes) choices.insert(choices.end(), {axis.name, "-" + axis.name});
+      return choices;
+    }
+    case TableAsks::unit: {
+      const RigAxis* const axis = axis_of_rig(rig, question.axis);
+      std::vector<std::string> choices;
+      for (const std::string_view word : move_unit_words) {
+        const auto unit = move_unit_of_word(word);
+        if (unit && (axis == nullptr || fits(*unit, *axis))) choices.emplace_back(word);
+      }
+      choices.emplace_back("rig");
+      return choices;
+    }
+    case TableAsks::up_axis:
+      return {"y", "z"};
+    case TableAsks::rotation_order:
+      return {"XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"};
+    case TableAsks::phase:
+      return {"centre", "boundary"};
+    case TableAsks::fps:
+    case TableAsks::count:
+      break;
+  }
+  return {};
+}
+
 std::string in_one_line(const std::vector<OpenQuestion>& questions) {
   constexpr std::size_t max_columns = 8;
   std::string line;

@@ -40,6 +40,9 @@ struct OpenQuestion {
 /// twice for what it fits.
 std::vector<OpenQuestion> open_questions(const BakedTable& table, const RigFile& rig, const ImportSaid& said);
 
+/// Every answer that take_answer takes, where they are few; nothing where it is to be written.
+std::vector<std::string> choices_of(const OpenQuestion& question, const RigFile& rig);
+
 /// All of them in one line, each with the option that answers it.
 std::string in_one_line(const std::vector<OpenQuestion>& questions);
 

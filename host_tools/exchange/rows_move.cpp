@@ -120,6 +120,12 @@ RowsMove rows_move_of(const BakedTable& table, const RigFile& rig, const std::st
   return move;
 }
 
+std::string summary_of(const RowsMove& move) {
+  return fmt::format("{} of {} at {} fps, {:.3f} s",
+                     counted(static_cast<std::int64_t>(move.frames()), "frame"), comma_separated(move.axes),
+                     to_string(move.fps), static_cast<double>(move.frames()) / move.fps.frames_per_second());
+}
+
 std::string move_text_of(const RowsMove& move, const std::string& rows) {
   std::string text;
   for (const std::string& comment : move.comments) text += toml_comment(comment);

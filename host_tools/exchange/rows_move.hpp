@@ -30,6 +30,9 @@ struct RowsMove {
 /// axes).
 RowsMove rows_move_of(const BakedTable& table, const RigFile& rig, const std::string& name);
 
+/// "192 frames of pan, tilt at 24 fps, 8.000 s".
+std::string summary_of(const RowsMove& move);
+
 /// The move file. `rows` is the name of the file that rows_text_of makes, in the same folder.
 std::string move_text_of(const RowsMove& move, const std::string& rows);
 
