@@ -9,14 +9,20 @@
 
 #include <algorithm>
 #include <array>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/command_line.hpp"
@@ -60,31 +66,6 @@ std::unique_ptr<LaunchPage> open_browser(const std::string& address) {
   std::thread([child] { ::waitpid(child, nullptr, 0); }).detach();
   return page;
 }
-
-/// Stops the server at Ctrl-C and at SIGTERM. The signals are blocked in every thread but taken by this one.
-class StopAtSignal {
- public:
-  explicit StopAtSignal(EditServer& server) {
-    sigemptyset(&signals_);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR2}) sigaddset(&signals_, signal);
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    waiter_ = std::thread([this, &server] {
-      int signal = 0;
-      sigwait(&signals_, &signal);
-      server.stop();
-    });
-  }
-  ~StopAtSignal() {
-    pthread_kill(waiter_.native_handle(), SIGUSR2);
-    waiter_.join();
-  }
-  StopAtSignal(const StopAtSignal&) = delete;
-  StopAtSignal& operator=(const StopAtSignal&) = delete;
-
- private:
-  sigset_t signals_{};
-  std::thread waiter_;
-};
 
 /// The HTTP library waits with select(), which knows the first 1024 descriptors only, and would wait for ever
 /// on others. Connections beyond them wait until there is one.
@@ -137,29 +118,125 @@ std::unique_ptr<EditServer> listen(EditSession& session, const PageFiles& page, 
   return server;
 }
 
+/// A move with its page, at an address of its own: none of them can edit another's file.
+class OpenMove {
+ public:
+  using Open = std::function<std::string(const std::string& move)>;
+
+  OpenMove(const fs::path& move, const std::optional<std::string>& rig, const PageFiles& page, int port,
+           Open open_import)
+      : address_(kept_address(move)),
+        session_(files_beneath(move.parent_path().string()), move.filename().string(), rig,
+                 file_id(move.string())),
+        server_(listen(session_, page, port, address_.get())) {
+    session_.open_imports_with(std::move(open_import));
+    thread_ = std::thread([this] { server_->run(); });
+  }
+  ~OpenMove() {
+    stop();
+    wait();
+  }
+  OpenMove(const OpenMove&) = delete;
+  OpenMove& operator=(const OpenMove&) = delete;
+
+  [[nodiscard]] std::string address() const { return server_->address(); }
+  void stop() { server_->stop(); }
+  void wait() {
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  std::unique_ptr<KeptAddress> address_;
+  EditSession session_;
+  std::unique_ptr<EditServer> server_;
+  std::thread thread_;
+};
+
+/// The move that was named, and those that are imported beside it. Thread-safe.
+class OpenMoves {
+ public:
+  OpenMoves(fs::path folder, std::optional<std::string> rig, PageFiles page)
+      : folder_(std::move(folder)), rig_(std::move(rig)), page_(std::move(page)) {}
+
+  /// Returns its address. Throws std::runtime_error, one line.
+  std::string open(const std::string& name, int port) {
+    const std::lock_guard lock(mutex_);
+    if (is_ending_) throw std::runtime_error("the program ends");
+    if (moves_.size() >= max_open)
+      throw std::runtime_error(
+          fmt::format("{} moves are open already; start inbetween edit for it", max_open));
+    moves_.push_back(std::make_unique<OpenMove>(folder_ / name, rig_, page_, port,
+                                                [this](const std::string& move) { return open(move, 0); }));
+    return moves_.back()->address();
+  }
+  /// Until stop(), which another thread calls.
+  void wait() {
+    std::unique_lock lock(mutex_);
+    ended_.wait(lock, [this] { return is_ending_; });
+  }
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    is_ending_ = true;
+    ended_.notify_all();
+  }
+
+ private:
+  static constexpr std::size_t max_open = 32;
+
+  fs::path folder_;
+  std::optional<std::string> rig_;
+  PageFiles page_;
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  bool is_ending_ = false;
+  std::vector<std::unique_ptr<OpenMove>> moves_;
+};
+
+/// Stops the servers at Ctrl-C and at SIGTERM. The signals are blocked in every thread that is started from
+/// then on, but taken by this one.
+class StopAtSignal {
+ public:
+  explicit StopAtSignal(OpenMoves& moves) {
+    sigemptyset(&signals_);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGUSR2}) sigaddset(&signals_, signal);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    waiter_ = std::thread([this, &moves] {
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      moves.stop();
+    });
+  }
+  ~StopAtSignal() {
+    pthread_kill(waiter_.native_handle(), SIGUSR2);
+    waiter_.join();
+  }
+  StopAtSignal(const StopAtSignal&) = delete;
+  StopAtSignal& operator=(const StopAtSignal&) = delete;
+
+ private:
+  sigset_t signals_{};
+  std::thread waiter_;
+};
+
 int edit_command(const EditArguments& arguments) {
   const PageFiles page = read_page(page_folder());
   // Refuses what cannot be solved, in the words that plan has for it.
   static_cast<void>(make_plan(arguments.move, arguments.rig, Solver::closed_form));
   const fs::path move = fs::canonical(arguments.move);
-  const std::unique_ptr<KeptAddress> address = kept_address(move);
   std::optional<std::string> rig = arguments.rig;
   if (rig) rig = fs::absolute(*rig).string();
-  EditSession session(files_beneath(move.parent_path().string()), move.filename().string(), rig,
-                      file_id(move.string()));
   // Files that the move names are beside it.
   fs::current_path(move.parent_path());
   stay_within_select();
   // A file that grows beyond a limit of its size is an error of a write like a full disk, and no end.
   std::signal(SIGXFSZ, SIG_IGN);
-  const std::unique_ptr<EditServer> listening = listen(session, page, arguments.port, address.get());
-  EditServer& server = *listening;
-  const StopAtSignal stop(server);
-  fmt::print("editing {} at {}\nCtrl-C ends it.\n", arguments.move, server.address());
+  OpenMoves moves(move.parent_path(), rig, page);
+  const StopAtSignal stop(moves);
+  const std::string address = moves.open(move.filename().string(), arguments.port);
+  fmt::print("editing {} at {}\nCtrl-C ends it.\n", arguments.move, address);
   std::fflush(stdout);
-  const std::unique_ptr<LaunchPage> launched =
-      arguments.no_browser ? nullptr : open_browser(server.address());
-  server.run();
+  const std::unique_ptr<LaunchPage> launched = arguments.no_browser ? nullptr : open_browser(address);
+  moves.wait();
   return 0;
 }
 

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host_tools/move_model/move_file.hpp"
 
@@ -39,12 +41,13 @@ class Members {
     if (found == nullptr) refuse(name_ + "." + member, "is missing");
     return *found;
   }
-  [[nodiscard]] std::string text(const char* member, std::size_t max) const {
+  [[nodiscard]] const std::string& get_text(const char* member, std::size_t max) const {
     const json& value = get(member);
     if (!value.is_string() || value.get_ref<const std::string&>().size() > max)
       refuse(name_ + "." + member, "is no text of that length");
-    return value.get<std::string>();
+    return value.get_ref<const std::string&>();
   }
+  [[nodiscard]] std::string text(const char* member, std::size_t max) const { return get_text(member, max); }
   [[nodiscard]] double number(const char* member) const { return number(get(member), name_ + "." + member); }
   [[nodiscard]] std::int32_t integer(const char* member) const {
     return integer(get(member), name_ + "." + member);
@@ -157,6 +160,35 @@ json parse(std::string_view text) {
   return parsed;
 }
 
+/// Base64 as RFC 4648 has it, with its padding.
+std::optional<std::string> bytes_of_base64(std::string_view text) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::size_t group = 4;
+  if (text.size() % group != 0) return std::nullopt;
+  const std::size_t padding = text.ends_with("==") ? 2 : text.ends_with('=') ? 1 : 0;
+  text.remove_suffix(padding);
+  std::string bytes;
+  bytes.reserve(text.size() / group * 3 + 3);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    const std::size_t digit = digits.find(c);
+    if (digit == std::string_view::npos) return std::nullopt;
+    bits = (bits << 6U) | static_cast<std::uint32_t>(digit);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(static_cast<unsigned char>(bits >> static_cast<unsigned>(count)));
+    bits &= (1U << static_cast<unsigned>(count)) - 1U;
+  }
+  return bytes;
+}
+
+bool is_file_name(std::string_view name) {
+  return !name.empty() && name.find('/') == std::string_view::npos &&
+         std::ranges::none_of(name, [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 0x7f; });
+}
+
 }  // namespace
 
 EditRequest parse_edit_request(std::string_view text) {
@@ -178,6 +210,32 @@ EditRequest parse_edit_request(std::string_view text) {
   if (request.find("expects") != nullptr) edit.expects = request.text("expects", 64);
   if (request.find("own") != nullptr) edit.own = request.boolean("own");
   return edit;
+}
+
+ImportRequest parse_import_request(std::string_view text) {
+  constexpr std::size_t max_name = 255;
+  constexpr std::size_t max_answers = 1024;
+  const json parsed = parse(text);
+  const Members request(parsed, "the import", {"id", "file", "bytes", "answers", "writes"});
+  ImportRequest import{.id = std::nullopt,
+                       .file = request.text("file", max_name),
+                       .bytes = {},
+                       .answers = {},
+                       .writes = request.boolean("writes")};
+  if (request.find("id") != nullptr) import.id = request.text("id", 64);
+  if (!is_file_name(import.file)) refuse("import.file", "is no name of a file");
+  auto bytes = bytes_of_base64(request.get_text("bytes", max_request_bytes));
+  if (!bytes) refuse("import.bytes", "are no Base64");
+  import.bytes = std::move(*bytes);
+  const json& answers = request.get("answers");
+  if (!answers.is_object() || answers.size() > max_answers)
+    refuse("import.answers", "is no object of that size");
+  for (const auto& [question, answer] : answers.items()) {
+    if (!answer.is_string() || answer.get_ref<const std::string&>().size() > max_name)
+      refuse("import.answers", "has an answer that is no text of that length");
+    import.answers.emplace(question, answer.get<std::string>());
+  }
+  return import;
 }
 
 std::string parse_base(std::string_view text) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "host_tools/exchange/import_form.hpp"
 #include "host_tools/fit/motion_fit.hpp"
 #include "host_tools/move_model/move_rewrite.hpp"
 #include "host_tools/text/text_file.hpp"
@@ -37,6 +38,18 @@ struct EditRequest {
 /// Reads one request. Strict: every unknown, missing or ill-typed member is refused by its name. Throws
 /// RequestError.
 EditRequest parse_edit_request(std::string_view text);
+
+/// A file of another program, which is to become a move beside the one that is edited.
+struct ImportRequest {
+  std::optional<std::string> id;  ///< of the file that the page has open
+  std::string file;               ///< its name, without a folder
+  std::string bytes;
+  FormAnswers answers;
+  bool writes = false;  ///< the move is written where no question is open; otherwise only looked at
+};
+
+/// Reads {"id", "file", "bytes": in Base64, "answers": an object of texts, "writes"}, as strictly.
+ImportRequest parse_import_request(std::string_view text);
 
 /// Reads {"base": a text}, as strictly.
 std::string parse_base(std::string_view text);

@@ -183,6 +183,8 @@ class EditServer::Door {
     add_post("/api/draw", parse_drawn_motion, answer_to_drawn);
     add_edit("/api/save", &EditSession::save);
     add_edit("/api/keep", &EditSession::keep);
+    add_post("/api/import", parse_import_request,
+             [this](const ImportRequest& request) { return session_.import_motion(request); });
     server_.Get(".*", [this](const Request& request, Response& response) {
       const auto found = page_.find(request.path == "/" ? "/index.html" : request.path);
       if (found == page_.end()) return refuse(response, 404, "there is no such file");

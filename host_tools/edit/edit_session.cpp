@@ -227,6 +227,62 @@ EditAnswer EditSession::keep(const EditRequest& request) {
   });
 }
 
+void EditSession::open_imports_with(std::function<std::string(const std::string& move)> open) {
+  open_import_ = std::move(open);
+}
+
+/// Rows first: no move names rows that are not there. False where a name was taken in the very moment.
+bool EditSession::write_import(const RowsMove& move, FormQuestion& name) const {
+  const ImportedNames names = imported_names(name);
+  const auto is_new = [&](const std::string& file, const std::string& text) {
+    const FileFailure failure = replace_expected(files_, file, std::nullopt, text);
+    if (failure.error != ESTALE) refuse_if(failure);
+    if (failure) name.mistake = fmt::format("{} is there already; write another name", file);
+    return !failure;
+  };
+  if (!is_new(names.rows, rows_text_of(move, names.rows))) return false;
+  bool is_written = false;
+  try {
+    is_written = is_new(names.move, move_text_of(move, names.rows));
+  } catch (const Refused&) {
+    std::string there;  // after a failure the move may be there all the same, and names the rows
+    if (files_.read(names.move, max_file_bytes, there) == ENOENT) (void)files_.remove(names.rows);
+    throw;
+  }
+  if (!is_written) (void)files_.remove(names.rows);
+  return is_written;
+}
+
+WrittenImport EditSession::opened_import(const ImportedNames& names) const {
+  WrittenImport written{.move = names.move, .rows = names.rows};
+  try {
+    if (open_import_) written.address = open_import_(names.move);
+  } catch (const std::runtime_error& error) {
+    written.why_not = error.what();
+  }
+  return written;
+}
+
+EditAnswer EditSession::import_motion(const ImportRequest& request) {
+  const std::lock_guard lock(writing_);
+  return guarded([&]() -> EditAnswer {
+    if (request.id && *request.id != id_)
+      throw Refused{403, fmt::format("the program edits {} now, and the page another file", name_)};
+    const EditedRig::State rig = rig_.now();
+    if (!rig.file) throw Refused{422, "a motion is imported for the axes of a rig; open the move with --rig"};
+    const auto said = request.answers.find("name");
+    FormQuestion name = name_question(files_, request.file,
+                                      said == request.answers.end() ? std::string_view() : said->second);
+    ImportForm form = import_form(request.file, request.bytes, *rig.file, request.answers, name.answer);
+    const bool is_said = form.move && !name.answer.empty() && name.mistake.empty();
+    std::optional<WrittenImport> written;
+    if (request.writes && is_said && write_import(*form.move, name))
+      written = opened_import(imported_names(name));
+    form.questions.push_back(std::move(name));
+    return {200, import_document(form, written)};
+  });
+}
+
 EditAnswer answer_to_drawn(const SampledMotion& sampled) {
   try {
     const MotionFit fit = fit_motion(sampled);

@@ -1,10 +1,12 @@
 // One move file, edited: what the page may ask, without the network.
 #pragma once
 
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 
+#include "host_tools/edit/edit_import.hpp"
 #include "host_tools/edit/edit_request.hpp"
 #include "host_tools/edit/edited_rig.hpp"
 #include "host_tools/plan/plan.hpp"
@@ -54,6 +56,14 @@ class EditSession {
   /// Writes the edits into a new file beside the move's, and answers {"kept": its name}; null where the file
   /// has that text.
   EditAnswer keep(const EditRequest& request);
+  /// A file of another program as a move of its rows: import_document with the questions that are open, in
+  /// the words of `inbetween import`, or the lines for which the file is refused. Where `writes` is said and
+  /// nothing is open, the rows and then the move are written beside this move; a name that a file has is a
+  /// mistake of its question, and nothing is written over. 422 without a rig.
+  EditAnswer import_motion(const ImportRequest& request);
+  /// How a move that was imported is opened: its file to the address of its page. Throws std::runtime_error,
+  /// one line. Without it none is opened. Said before anything is asked.
+  void open_imports_with(std::function<std::string(const std::string& move)> open);
 
  private:
   template <class Action>
@@ -64,12 +74,15 @@ class EditSession {
   [[nodiscard]] EditAnswer document(const std::string& text, bool with_text = false);
   [[nodiscard]] std::string keep_copy(const std::string& text, const char* what) const;
   void replace(const std::optional<std::string>& there, const std::string& text) const;
+  bool write_import(const RowsMove& move, FormQuestion& name) const;
+  [[nodiscard]] WrittenImport opened_import(const ImportedNames& names) const;
 
   std::mutex writing_;
   FileLayer files_;
   std::string name_;
   EditedRig rig_;
   std::string id_;
+  std::function<std::string(const std::string& move)> open_import_;
 };
 
 /// The keys and the speed curve of a motion that was drawn (fit_motion): {"frames", "keys", "speed", "noise",

@@ -171,8 +171,8 @@ TEST_F(EditServerTest, AWrongTokenIsRefused) {
 }
 
 TEST_F(EditServerTest, OnlyPostChangesAnythingAndNothingElseIsKnown) {
-  for (const char* path :
-       {"/api/save", "/api/keep", "/api/fit", "/api/fewest", "/api/resolve", "/api/text", "/api/document"}) {
+  for (const char* path : {"/api/save", "/api/keep", "/api/fit", "/api/fewest", "/api/resolve", "/api/text",
+                           "/api/document", "/api/import"}) {
     EXPECT_EQ(status(fmt::format("GET {}", path), page_headers()), 405) << path;
   }
   for (const char* method : {"PUT", "DELETE", "PATCH", "OPTIONS", "HEAD"}) {
@@ -202,6 +202,18 @@ TEST_F(EditServerTest, WhatIsNoRequestIsRefused) {
   EXPECT_GE(status("GET /" + std::string(10'000, 'x'), ""), 400);
   EXPECT_EQ(status("nonsense", ""), 400);
   EXPECT_THAT(ask("POST /api/save", page_headers(), "\x01<script>"), HasSubstr("application/json"));
+  expect_untouched();
+}
+
+TEST_F(EditServerTest, AFileOfAnotherProgramIsTakenFromThePageAlone) {
+  const std::string body = R"({"file":"a.csv","bytes":"","answers":{},"writes":true})";
+  EXPECT_EQ(status("POST /api/import", page_headers(), body), 422) << "there is no rig";
+  EXPECT_EQ(status("POST /api/import", origin() + json_type(), body), 403);
+  EXPECT_EQ(status("POST /api/import", "X-Inbetween-Token: 0\r\n" + origin() + json_type(), body), 403);
+  EXPECT_EQ(status("POST /api/import", token() + json_type(), body), 403) << "from no page";
+  EXPECT_EQ(status("POST /api/import", token() + origin() + "Content-Type: text/csv\r\n", body), 415);
+  EXPECT_EQ(status("POST /api/import", page_headers(), std::string(max_request_bytes + 1, ' ')), 413);
+  EXPECT_EQ(status("POST /api/import", page_headers(), "frame,pan\n1,\xff\n"), 400);
   expect_untouched();
 }
 
