@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -139,6 +140,9 @@ void write_track(JsonWriter& json, const Plan& plan, std::size_t index, std::str
   }
   json.member("speed_as_written", track.speed);
   json.member("speed_is_played", is_played);
+  json.member("table", track.table
+                           ? std::optional(std::filesystem::path(track.table->file).filename().string())
+                           : std::nullopt);
   json.key("network");
   if (track.network && !is_row_of_points(track)) {
     write_network(json, track);

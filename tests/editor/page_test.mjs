@@ -677,11 +677,40 @@ for (const [move, rig] of [
   ["marionette/walk.toml", "marionette/rig.toml"],
   ["brow/raise.toml", "brow/rig.toml"],
   ["storyboard.toml", "camera_rig.toml"],
+  ["look_around.toml", null],
 ]) {
   testWith(move, rig)(`${move} opens with the hash of the command line`, async (editor) => {
     assert.equal(await editor.shown(), editor.planned());
   });
 }
+
+testWith("look_around.toml", "puppet_head.toml")(
+  "the rows of a table are shown as the command line plans them, and what cannot be edited says why",
+  async (editor, page) => {
+    assert.equal(await editor.shown(), editor.planned());
+    const { highest_rate } = editor.check();
+    const verdict = await page.locator("#verdict").textContent();
+    assert.match(verdict, new RegExp(`within the limits, up to ${(100 * highest_rate).toFixed(0)} %`));
+    assert.match(await page.locator("#speed .hint").textContent(), /rows of look_around.csv are played as they are/);
+    assert.ok(await page.locator("#spline").isDisabled());
+    assert.ok(await page.locator("#closed").isDisabled());
+    const says = (words) => until(page, (w) => document.getElementById("said").textContent.includes(w), words);
+    await page.locator("#insert-key").click();
+    await says("row by row; edit that file");
+    await enter(page, "#frames", "80");
+    await says("are on frames 0 to 96");
+    await page.locator("#fit").click();
+    await says("Nothing is changed");
+    assert.equal(await page.locator("#frames").inputValue(), "96");
+    assert.ok(!(await page.evaluate(() => window.inbetween.store.canUndo)), "none of it is a step of undo");
+    await editor.picture("table");
+    // The other track of the move is edited as ever, and the rate holds for both.
+    await enter(page, "#fps", "60");
+    await editor.saved();
+    assert.equal(await editor.shown(), editor.planned());
+    assert.equal(await page.locator("#verdict").getAttribute("class"), editor.check().fits ? "good" : "bad");
+  },
+);
 
 test("without the program a move and a rig are dropped, edited and downloaded", async () => {
   const { page, end } = await alone();

@@ -126,6 +126,7 @@ function trackOf(table: Table, t: number): Track {
     speed,
     speed_is_played: false,
     path: null,
+    table: null,
     network: null,
   };
   if (found.keys.length === 0) throw new Error(`track ${t}: there are no keys`);

@@ -84,8 +84,12 @@ export class Bar {
     byId("bar").append(...tools);
     this.frames.addEventListener("change", () => {
       const frames = Number(this.frames.value);
+      const rows = store.move.tracks.find(({ table }) => table !== null)?.table;
       if (!Number.isInteger(frames) || frames < 1 || frames > max_frames) {
         say(`Frames: a whole number from 1 to ${max_frames}.`, true);
+      } else if (rows && frames !== store.move.frames) {
+        say(`The rows of ${rows} are on frames 0 to ${store.move.frames}: bake others for another number.`, true);
+        this.frames.value = String(store.move.frames);
       } else {
         store.edit({ ...store.move, frames });
       }
@@ -247,11 +251,16 @@ export class Bar {
         const keys = old.keys.map((key, k) => ({ ...key, frame: track.keys[k].frame, hold: track.keys[k].hold }));
         const isMoved = keys.some((key, k) => key.frame !== old.keys[k].frame || key.hold !== old.keys[k].hold);
         const isNew = JSON.stringify(track.speed) !== JSON.stringify(old.speed);
+        if (!isMoved && !isNew) return;
         move = withTrack(move, t, {
           ...(isMoved ? { keys, moved: true } : {}),
           ...(isNew ? { speed: track.speed, touched: old.touched || what === "fit", path: track.path } : {}),
         });
       });
+      if (move.frames === asked.frames && move.tracks.every((track, t) => track === asked.tracks[t]))
+        return say(
+          `Nothing is changed: ${what === "fit" ? "the limits are kept" : "these are the fewest frames"} already.`,
+        );
       this.store.edit(move);
       say(what === "fit" ? "The speed curve is fitted to the limits." : `${answer.frames} frames.`);
     } catch (error) {

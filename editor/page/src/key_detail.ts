@@ -81,8 +81,9 @@ export class KeyDetail {
     this.closed.checked = track.closed;
     this.closed.disabled = track.periodic || track.path !== null;
     // What the whole track says of its corners is for straight paths alone.
-    this.spline.disabled = track.overlap !== null || track.round !== null;
-    this.spline.title = this.spline.disabled ? "The track rounds its corners; edit it as text" : "";
+    this.spline.disabled = track.overlap !== null || track.round !== null || track.table !== null;
+    const why = track.table ? "The path is that of its rows" : "The track rounds its corners; edit it as text";
+    this.spline.title = this.spline.disabled ? why : "";
     for (const row of this.ofKey) row.hidden = key === null;
     this.holding.hidden = key === null || !bySpeed;
     const field = cornerField(track);

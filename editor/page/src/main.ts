@@ -2,10 +2,11 @@ import "./style.css";
 import { AxisGraphs, KeyTable } from "./side";
 import { askForFiles } from "./alone";
 import { Bar } from "./bar";
-import { button, byId, html, notice, say } from "./dom";
+import { attributes, button, byId, html, notice, say } from "./dom";
 import { Draft, type KeptHistory } from "./drafts";
 import { copyKeys, insertOnPath, insertValue, removeKeys, removeValues, setValues, shiftKeys } from "./edits";
 import { Hand } from "./hand";
+import { fixedSpeed } from "./move";
 import { PlanView, planPanel } from "./plan_view";
 import { Preview } from "./preview";
 import { RowView, rowPanel, showRowTab } from "./row_view";
@@ -131,6 +132,12 @@ function sideSection(store: Store): void {
 function speedSection(store: Store): void {
   const place = html("div", { class: "fill" });
   const overText = html("span", { class: "over-text bad" });
+  const hint = html("small", { class: "hint" });
+  store.onChange(() => {
+    const why = fixedSpeed(store.move.tracks[store.selection.track]);
+    attributes(hint, { title: why ?? undefined });
+    hint.textContent = why ?? "drag a square up for faster, down for slower";
+  });
   const many = (by: number) => (): void => {
     const { track, values } = store.selection;
     if (values.size === 0) return say("Select control values first; drag a frame around them.");
@@ -142,7 +149,7 @@ function speedSection(store: Store): void {
       { class: "head" },
       html("h2", {}, "Speed curve"),
       overText,
-      html("small", { class: "hint" }, "drag a square up for faster, down for slower"),
+      hint,
       html("span", { class: "spring" }),
       button(
         "Insert",

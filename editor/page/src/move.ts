@@ -57,6 +57,7 @@ export interface Track {
   readonly speed: readonly number[] | null;
   readonly speed_is_played: boolean;
   readonly path: Cubics | null;
+  readonly table: string | null; // the file whose rows are played as they are
   readonly network: Network | null;
   readonly touched?: boolean; // the speed curve has been edited
   readonly moved?: boolean; // the keys have been edited
@@ -188,6 +189,7 @@ export function isRounded(track: Track): boolean {
 
 /** Why the speed curve of a track cannot be edited here, or null. */
 export function fixedSpeed(track: Track): string | null {
+  if (track.table !== null) return `The rows of ${track.table} are played as they are; there is no drawn curve.`;
   if (track.speed === null) return "The keys have frames; there is no drawn curve.";
   if (track.kinetic === "pace") return "The smoothest pace is computed from the frames of the keys.";
   if (track.speed_is_played) return "The curve shown is eased at corners; edit it as text.";
