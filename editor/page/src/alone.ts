@@ -302,6 +302,12 @@ export function askForFiles(open: (move: Move) => void, edited: () => Move | nul
     if (now && dropped.some((file) => file.name === now.file)) {
       return say("What was edited here would be lost. Take it with Save first, then drop the move again.", true);
     }
+    const other = dropped.find((file) => !file.name.endsWith(".toml"));
+    if (other) {
+      const why = `${other.name} is no .toml file. A motion of another program is imported by the program: inbetween edit, or inbetween import.`;
+      told.textContent = why;
+      return say(why, true);
+    }
     for (const file of dropped) texts.set(file.name, await file.text());
     if (now) texts.set(now.file, textOf(now)); // a rig that comes later is for the move as it is
     try {

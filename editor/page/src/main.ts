@@ -6,6 +6,7 @@ import { attributes, button, byId, html, notice, say } from "./dom";
 import { Draft, type KeptHistory } from "./drafts";
 import { copyKeys, insertOnPath, insertValue, removeKeys, removeValues, setValues, shiftKeys } from "./edits";
 import { Hand } from "./hand";
+import { importing } from "./import";
 import { fixedSpeed } from "./move";
 import { PlanView, planPanel } from "./plan_view";
 import { Preview } from "./preview";
@@ -229,6 +230,7 @@ function begin(store: Store, server: Server | null, known: string, draft: Draft 
   new TimeBar(store, byId("time"));
   const preview = new Preview(store, byId("preview"));
   shortcuts(store, bar, preview, hand);
+  if (server) byId("saved").before(...importing(store, server, bar));
   store.setFrame(0);
   Object.assign(window, { inbetween: { store, bar } }); // for tests of the page
   return bar;

@@ -25,6 +25,32 @@ export interface FileState {
   readonly rig_error: string | null; // why its file of today does not
 }
 
+/** Something that a file of another program does not say, in the words of `inbetween import`. */
+export interface ImportQuestion {
+  readonly id: string;
+  readonly words: string;
+  readonly choices: readonly string[]; // every answer; none: it is written
+  readonly suggestion: string; // or ""
+  readonly answer: string;
+  readonly mistake: string;
+  readonly may_stay_open: boolean;
+}
+
+export interface WrittenImport {
+  readonly move: string;
+  readonly rows: string;
+  readonly address: string | null;
+  readonly why_not: string | null; // there is no address
+}
+
+export interface ImportForm {
+  readonly questions: readonly ImportQuestion[];
+  readonly refused: readonly string[]; // lines
+  readonly warnings: readonly string[];
+  readonly summary: string | null; // of the move, once it can be made
+  readonly written: WrittenImport | null;
+}
+
 /** What the program refuses, in its words. */
 export class Refusal extends Error {
   constructor(
@@ -78,6 +104,16 @@ export class Server {
   }
   draw(motion: DrawnMotion): Promise<MotionFit> {
     return this.ask("POST", "draw", motion) as Promise<MotionFit>;
+  }
+  /** `bytes` in Base64. Nothing is written without `writes`, and with a question open. */
+  importMotion(
+    { id }: Move,
+    file: string,
+    bytes: string,
+    answers: Record<string, string>,
+    writes: boolean,
+  ): Promise<ImportForm> {
+    return this.ask("POST", "import", { id, file, bytes, answers, writes }) as Promise<ImportForm>;
   }
   /** Null where the file has it. */
   async keep(move: Move): Promise<string | null> {
