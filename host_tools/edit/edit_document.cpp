@@ -246,22 +246,6 @@ void write_joints(JsonWriter& json, const Plan& plan) {
               kinematics.tips().empty() ? std::nullopt : std::optional(kinematics.tips().front().link));
 }
 
-void refuse_long_tables(const Plan& plan) {
-  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
-    const MoveTrack& track = plan.move().tracks[t];
-    if (!track.table) continue;
-    const bool fits = plan.tracks()[t].track().path().segment_count() <= max_page_segments &&
-                      track.axes.size() <= max_page_axes && plan.move().frames <= max_page_frames;
-    if (fits) continue;
-    throw InputError(
-        track.table->place,
-        fmt::format("the table has {} on {}, and the page does not show one of more than {} rows, {} axes or "
-                    "{} frames; check and play the move with inbetween check and inbetween run",
-                    counted(static_cast<std::int64_t>(track.table->frames.size()), "row"),
-                    counted(plan.move().frames, "frame"), max_page_segments, max_page_axes, max_page_frames));
-  }
-}
-
 /// What `write` writes, as text.
 template <class Write>
 std::string json_text(const Write& write) {
@@ -283,8 +267,24 @@ std::string json_text(const Write& write) {
 
 }  // namespace
 
+void refuse_what_is_not_shown(const Plan& plan) {
+  for (std::size_t t = 0; t < plan.tracks().size(); ++t) {
+    const MoveTrack& track = plan.move().tracks[t];
+    if (!track.table) continue;
+    const bool fits = plan.tracks()[t].track().path().segment_count() <= max_page_segments &&
+                      track.axes.size() <= max_page_axes && plan.move().frames <= max_page_frames;
+    if (fits) continue;
+    throw InputError(
+        track.table->place,
+        fmt::format("the table has {} on {}, and the page does not show one of more than {} rows, {} axes or "
+                    "{} frames; check and play the move with inbetween check and inbetween run",
+                    counted(static_cast<std::int64_t>(track.table->frames.size()), "row"),
+                    counted(plan.move().frames, "frame"), max_page_segments, max_page_axes, max_page_frames));
+  }
+}
+
 std::string document_of(const Plan& plan, const DocumentSource& source) {
-  refuse_long_tables(plan);
+  refuse_what_is_not_shown(plan);
   return json_text([&](JsonWriter& json) {
     const MoveFile& move = plan.move();
     json.begin_object();

@@ -18,6 +18,9 @@ struct DocumentSource {
   bool with_text = false;  ///< whether the document has the text in it
 };
 
+/// Throws InputError at a table that is too long for the page.
+void refuse_what_is_not_shown(const Plan& plan);
+
 /// JSON: the move as the core takes it (docs/editor.md lists the members). Of every track it says whether the
 /// page can solve it by itself after every edit ("live"), and if keys or curve cannot be edited there, why.
 /// Throws InputError where a table is longer than the page can show.

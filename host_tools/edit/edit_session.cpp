@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -253,9 +254,22 @@ bool EditSession::write_import(const RowsMove& move, FormQuestion& name) const {
   return is_written;
 }
 
-WrittenImport EditSession::opened_import(const ImportedNames& names) const {
+/// Throws InputError where the page would not show the move.
+void EditSession::expect_shown(const std::string& move, const EditedRig::State& rig) const {
+  const TextReader read = [&](const std::filesystem::path& path, std::size_t max_bytes) {
+    std::string text;
+    if (const int error = files_.read(path.string(), max_bytes, text))
+      throw InputError({path.string()}, fmt::format("cannot be read: {}", reason_of(error)));
+    return text;
+  };
+  const std::string text = read(move, max_file_bytes);
+  refuse_what_is_not_shown({parse_move_beside(read, text, move), rig.file, {.kinematics = rig.kinematics}});
+}
+
+WrittenImport EditSession::opened_import(const ImportedNames& names, const EditedRig::State& rig) const {
   WrittenImport written{.move = names.move, .rows = names.rows};
   try {
+    expect_shown(names.move, rig);
     if (open_import_) written.address = open_import_(names.move);
   } catch (const std::runtime_error& error) {
     written.why_not = error.what();
@@ -277,7 +291,7 @@ EditAnswer EditSession::import_motion(const ImportRequest& request) {
     const bool is_said = form.move && !name.answer.empty() && name.mistake.empty();
     std::optional<WrittenImport> written;
     if (request.writes && is_said && write_import(*form.move, name))
-      written = opened_import(imported_names(name));
+      written = opened_import(imported_names(name), rig);
     form.questions.push_back(std::move(name));
     return {200, import_document(form, written)};
   });

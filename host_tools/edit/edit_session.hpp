@@ -75,7 +75,8 @@ class EditSession {
   [[nodiscard]] std::string keep_copy(const std::string& text, const char* what) const;
   void replace(const std::optional<std::string>& there, const std::string& text) const;
   bool write_import(const RowsMove& move, FormQuestion& name) const;
-  [[nodiscard]] WrittenImport opened_import(const ImportedNames& names) const;
+  void expect_shown(const std::string& move, const EditedRig::State& rig) const;
+  [[nodiscard]] WrittenImport opened_import(const ImportedNames& names, const EditedRig::State& rig) const;
 
   std::mutex writing_;
   FileLayer files_;

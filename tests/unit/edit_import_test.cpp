@@ -175,6 +175,24 @@ TEST(EditImport, AMoveThatCannotBeOpenedIsWrittenAndSaysWhy) {
   EXPECT_TRUE(disk.content().contains("pan.toml"));
 }
 
+TEST(EditImport, AMoveThatThePageDoesNotShowIsWrittenAndSaysWhy) {
+  SimulatedDisk disk({{"m.toml", move_text}});
+  Opened opened(disk);
+  opened.session.open_imports_with([](const std::string&) -> std::string {
+    ADD_FAILURE() << "it would be opened in vain";
+    return "";
+  });
+  json of = request(all_answers, true);
+  std::string base64;
+  for (int i = 0; i < 1400; ++i) base64 += "MAowCjAK";  // "0\n0\n0\n"
+  of["bytes"] = base64;
+  const json written = opened.ask(of).at("written");
+  EXPECT_EQ(written.at("address"), nullptr);
+  EXPECT_THAT(written.at("why_not").get<std::string>(),
+              HasSubstr("the table has 4200 rows on 4199 frames, and the page does not show one of more"));
+  EXPECT_TRUE(disk.content().contains("pan.toml"));
+}
+
 TEST(EditImport, ARigIsNeededAndThePageOfThisMove) {
   SimulatedDisk disk({{"m.toml", move_text}});
   Opened without(disk, std::nullopt);

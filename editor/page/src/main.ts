@@ -134,11 +134,13 @@ function speedSection(store: Store): void {
   const place = html("div", { class: "fill" });
   const overText = html("span", { class: "over-text bad" });
   const hint = html("small", { class: "hint" });
-  store.onChange(() => {
+  const tell = (): void => {
     const why = fixedSpeed(store.move.tracks[store.selection.track]);
     attributes(hint, { title: why ?? undefined });
     hint.textContent = why ?? "drag a square up for faster, down for slower";
-  });
+  };
+  store.onChange(tell);
+  tell();
   const many = (by: number) => (): void => {
     const { track, values } = store.selection;
     if (values.size === 0) return say("Select control values first; drag a frame around them.");
