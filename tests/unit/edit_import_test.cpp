@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host_tools/edit/edit_session.hpp"
@@ -38,7 +39,9 @@ const json all_answers = {
 struct Opened {
   explicit Opened(SimulatedDisk& disk,
                   std::optional<std::string> rig = in_checkout("examples/camera_rig.toml"))
-      : session(disk.layer(), "m.toml", std::move(rig), "this") {}
+      : Opened(disk.layer(), std::move(rig)) {}
+  explicit Opened(FileLayer files, std::optional<std::string> rig = in_checkout("examples/camera_rig.toml"))
+      : session(std::move(files), "m.toml", std::move(rig), "this") {}
 
   json ask(const json& of) {
     const EditAnswer answer = session.import_motion(parse_import_request(of.dump()));
@@ -113,6 +116,24 @@ TEST(EditImport, ANameThatIsTakenIsAskedAgainAndKeepsItsFile) {
   }
   SimulatedDisk disk({{"m.toml", move_text}, {"in.csv", "mine"}});
   EXPECT_EQ(question_of(Opened(disk).ask(request()), "name").at("suggestion"), "in-2");
+}
+
+TEST(EditImport, ANameThatIsTakenInTheVeryMomentKeepsItsFileToo) {
+  for (const std::string taken : {"pan.toml", "pan.csv"}) {
+    SimulatedDisk disk({{"m.toml", move_text}});
+    FileLayer files = disk.layer();
+    files.create = [&, create = files.create](const std::string& name, int& descriptor) {
+      if (name == part_of(taken) && !disk.content().contains(taken)) {
+        EXPECT_FALSE(replace_durably(disk.layer(), taken, "mine"));
+      }
+      return create(name, descriptor);
+    };
+    Opened opened(files);
+    const json document = opened.ask(request(all_answers, true));
+    EXPECT_EQ(document.at("written"), nullptr) << taken;
+    EXPECT_EQ(question_of(document, "name").at("mistake"), taken + " is there already; write another name");
+    EXPECT_EQ(disk.content(), (DiskContent{{"m.toml", move_text}, {taken, "mine"}}));
+  }
 }
 
 TEST(EditImport, NoNameLeadsOutOfTheFolder) {
