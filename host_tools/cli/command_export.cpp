@@ -8,6 +8,7 @@
 
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/exchange_arguments.hpp"
+#include "host_tools/cli/scene_export.hpp"
 #include "host_tools/cli/take_arguments.hpp"
 #include "host_tools/cli/take_table.hpp"
 #include "host_tools/exchange/export_choices.hpp"
@@ -19,7 +20,7 @@ namespace {
 
 struct ExportArguments {
   std::string from, to;
-  std::optional<std::string> rig, frames;
+  std::optional<std::string> rig, frames, node;
   ExchangeArguments exchange;
   std::optional<std::int32_t> decimals, turns;
   bool has_rolls = false;
@@ -68,7 +69,23 @@ void refuse_positions_of_servos(const BakedTable& table) {
                    "servos have counts; say which count is 0 of the axis and how far one is, with" + open);
 }
 
+int export_as_scene(const ExportArguments& arguments, SceneFormat format) {
+  if (arguments.has_rolls) throw UsageError("a scene has the frames of the move; leave out --rolls");
+  if (arguments.decimals) throw UsageError("a scene has its numbers in full; leave out --decimals");
+  return export_scene({.from = arguments.from,
+                       .to = arguments.to,
+                       .rig = arguments.rig,
+                       .frames = arguments.frames,
+                       .node = arguments.node,
+                       .turns = arguments.turns,
+                       .exchange = arguments.exchange},
+                      format);
+}
+
 int export_command(const ExportArguments& arguments) {
+  const auto scene = scene_format_of(arguments.exchange.format, arguments.to);
+  if (scene) return export_as_scene(arguments, *scene);
+  if (arguments.node) throw UsageError("--node is for a scene (.gltf, .glb, .usda); leave it out");
   const ExchangeWords words = exchange_words_of(arguments.exchange);
   const ExchangeFormat format = written_format(arguments, words);
   const bool is_take = arguments.exchange.take.has_value();
@@ -99,13 +116,17 @@ int export_command(const ExportArguments& arguments) {
 constexpr char export_explanation[] =
     R"(Writes what plays, a row a frame and a column an axis, for another program: CSV, Dragonframe Raw Move (.txt with
 --format raw-move) and .arcm, Kuper ASCII, Flair CARTS_RAW, Maya .mov, Nuke .chan, the JSON of
-blender-servo-animation. The ending of the file tells the format where only one has it. Each line behind the summary
+blender-servo-animation; glTF and USD. The ending of the file tells the format where only one has it. Each line behind the summary
 is something that the format does not hold: the other program has to be told.
 
 Every axis that is in a track is a column of its name, in its unit, on every frame, from frame 0 to the end.
 --axis COLUMN=AXIS names columns otherwise and chooses them, --unit converts, --count writes counts of servos:
 what import takes is written with the same options. --fps takes another rate, --phase centre puts each row half a
 row later, in the middle of its exposure.
+
+A file that ends in .gltf, .glb or .usda is a scene: the links of the rig's URDF file and its camera, as they move, for
+Blender, Unreal, Houdini, Maya and viewers. --up and --unit say in which space USD has it; glTF has metres and y up.
+The summary says how far the camera is off between two rows; --fps takes more of them.
 
 With --take N a file of takes is named in place of the move: rows are where the axes were told to be when the move
 passed each frame, with --measured where they were.
@@ -118,6 +139,8 @@ Examples:
   inbetween export move.toml --rig rig.toml --to k.txt --format kuper --axis vPan=pan --axis vTrack=-slide --unit cm
   inbetween export move.toml --rig rig.toml --to jaw.json --axis Jaw=jaw --count "Jaw=1500,-0.1deg"
   inbetween export move.toml --rig rig.toml --to - --format csv --fps 25 --phase centre
+  inbetween export move.toml --rig rig.toml --to shot.glb
+  inbetween export move.toml --rig rig.toml --to shot.usda --up y --unit cm
   inbetween export takes.db --take 7 --measured --to measured.csv)";
 
 void describe(CLI::App& app, ExportArguments& arguments) {
@@ -125,6 +148,8 @@ void describe(CLI::App& app, ExportArguments& arguments) {
   app.add_option("--rig", arguments.rig, "the rig that it is for; not with --take");
   app.add_option("--to", arguments.to, "the file that is written (- is standard output)")->required();
   add_exchange_options(app, arguments.exchange);
+  app.add_option("--node", arguments.node, "of a scene: the tip of the rig that carries the camera")
+      ->type_name("TIP");
   app.add_option("--decimals", arguments.decimals, "of each number, where the format has others")
       ->check(between(0, 12));
   add_frames(app, arguments.frames, "these frames only");

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "host_tools/cli/command.hpp"
+#include "host_tools/scene/scene_format.hpp"
 #include "host_tools/text/diagnostics.hpp"
 #include "host_tools/text/output_file.hpp"
 
@@ -60,7 +61,7 @@ void add_exchange_options(CLI::App& app, ExchangeArguments& arguments) {
       ->type_name("PHASE");
   app.add_option("--format", arguments.format,
                  "where the name of the file does not tell: csv, raw-move, arcm, arcx, kuper, flair,\n"
-                 "maya-mov, nuke-chan, servo-json, record")
+                 "maya-mov, nuke-chan, servo-json, record, gltf, glb, usda")
       ->type_name("FORMAT");
   app.add_option("--take", arguments.take, "a take of the file of takes that is named")
       ->check(between(std::int64_t{1}, std::int64_t{1} << 40U))
@@ -71,23 +72,24 @@ void add_exchange_options(CLI::App& app, ExchangeArguments& arguments) {
 }
 
 ExchangeWords exchange_words_of(const ExchangeArguments& arguments) {
-  return {
-      .axes = words_of_option<AxisWord>(arguments.axes, "--axis", "write COLUMN=AXIS, or COLUMN=- for none",
-                                        axis_word_of),
-      .units = words_of_option<UnitWord>(
-          arguments.units, "--unit",
-          fmt::format("write COLUMN=UNIT, or one unit: {}, rig", comma_separated(move_unit_words)),
-          unit_word_of),
-      .counts = words_of_option<CountWord>(arguments.counts, "--count",
-                                           "write COLUMN=ZERO,STEP, such as Pan=1500,-0.1deg", count_word_of),
-      .fps = word_of_option<FrameRate>(arguments.fps, "--fps", "write an exact rate, 24 or 24000/1001",
-                                       frame_rate_of_word),
-      .up = word_of_option<UpAxis>(arguments.up, "--up", "write y or z", up_axis_of_word),
-      .phase =
-          word_of_option<ShutterPhase>(arguments.phase, "--phase", "write centre or boundary", phase_of_word),
-      .format = word_of_option<ExchangeFormat>(
-          arguments.format, "--format",
-          fmt::format("write one of {}", comma_separated(exchange_format_words)), exchange_format_of_word)};
+  return {.axes = words_of_option<AxisWord>(arguments.axes, "--axis",
+                                            "write COLUMN=AXIS, or COLUMN=- for none", axis_word_of),
+          .units = words_of_option<UnitWord>(
+              arguments.units, "--unit",
+              fmt::format("write COLUMN=UNIT, or one unit: {}, rig", comma_separated(move_unit_words)),
+              unit_word_of),
+          .counts = words_of_option<CountWord>(
+              arguments.counts, "--count", "write COLUMN=ZERO,STEP, such as Pan=1500,-0.1deg", count_word_of),
+          .fps = word_of_option<FrameRate>(arguments.fps, "--fps", "write an exact rate, 24 or 24000/1001",
+                                           frame_rate_of_word),
+          .up = word_of_option<UpAxis>(arguments.up, "--up", "write y or z", up_axis_of_word),
+          .phase = word_of_option<ShutterPhase>(arguments.phase, "--phase", "write centre or boundary",
+                                                phase_of_word),
+          .format = word_of_option<ExchangeFormat>(
+              arguments.format, "--format",
+              fmt::format("write one of {}, {}", comma_separated(exchange_format_words),
+                          comma_separated(scene_format_words)),
+              exchange_format_of_word)};
 }
 
 void refuse_to_overwrite(const std::string& file, bool may_overwrite) {

@@ -28,6 +28,15 @@ std::int64_t rows_of_plan(std::int64_t frames, bool is_centre, FrameRate of_move
 
 }  // namespace
 
+FrameTime time_of_plan_row(const Plan& plan, const PlanTableOptions& options, std::int64_t row) {
+  const Move& move = plan.motion().move();
+  const std::int32_t first = options.has_rolls ? move.first_frame() : plan.part().first;
+  const std::int32_t last = options.has_rolls ? move.last_frame() : plan.part().last;
+  const FrameTime time = time_of_row(row, options.phase == ShutterPhase::exposure_centre, first,
+                                     move.frame_rate(), options.fps.value_or(move.frame_rate()));
+  return FrameTime{last, 0} < time ? FrameTime{last, 0} : time;  // it holds there, rolls or not
+}
+
 BakedTable table_of_plan(const Plan& plan, const PlanTableOptions& options) {
   const PlayedMotion& motion = plan.motion();
   const Move& move = motion.move();
@@ -58,9 +67,7 @@ BakedTable table_of_plan(const Plan& plan, const PlanTableOptions& options) {
   }
   std::vector<double> positions(motion.axis_count());
   for (std::int64_t row = 0; row < rows; ++row) {
-    FrameTime time = time_of_row(row, is_centre, first, of_move, of_rows);
-    if (FrameTime{last, 0} < time) time = {last, 0};  // it holds there, rolls or not
-    motion.positions(time, positions);
+    motion.positions(time_of_plan_row(plan, options, row), positions);
     for (std::size_t i = 0; i < axes.size(); ++i) table.columns[i].values.push_back(positions[axes[i]]);
   }
   check_table(table);

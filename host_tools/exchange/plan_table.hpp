@@ -21,4 +21,7 @@ struct PlanTableOptions {
 /// than two rows or more than max_table_rows. O(rows * axes * log pieces).
 BakedTable table_of_plan(const Plan& plan, const PlanTableOptions& options = {});
 
+/// The moment of the move at which row `row` of that table is.
+FrameTime time_of_plan_row(const Plan& plan, const PlanTableOptions& options, std::int64_t row);
+
 }  // namespace inbetween
