@@ -20,7 +20,7 @@ namespace {
 
 struct ExportArguments {
   std::string from, to;
-  std::optional<std::string> rig, frames, node;
+  std::optional<std::string> rig, frames, tip;
   ExchangeArguments exchange;
   std::optional<std::int32_t> decimals, turns;
   bool has_rolls = false;
@@ -76,7 +76,7 @@ int export_as_scene(const ExportArguments& arguments, SceneFormat format) {
                        .to = arguments.to,
                        .rig = arguments.rig,
                        .frames = arguments.frames,
-                       .node = arguments.node,
+                       .tip = arguments.tip,
                        .turns = arguments.turns,
                        .exchange = arguments.exchange},
                       format);
@@ -85,7 +85,7 @@ int export_as_scene(const ExportArguments& arguments, SceneFormat format) {
 int export_command(const ExportArguments& arguments) {
   const auto scene = scene_format_of(arguments.exchange.format, arguments.to);
   if (scene) return export_as_scene(arguments, *scene);
-  if (arguments.node) throw UsageError("--node is for a scene (.gltf, .glb, .usda); leave it out");
+  if (arguments.tip) throw UsageError("--tip is for a scene (.gltf, .glb, .usda); leave it out");
   const ExchangeWords words = exchange_words_of(arguments.exchange);
   const ExchangeFormat format = written_format(arguments, words);
   const bool is_take = arguments.exchange.take.has_value();
@@ -148,7 +148,7 @@ void describe(CLI::App& app, ExportArguments& arguments) {
   app.add_option("--rig", arguments.rig, "the rig that it is for; not with --take");
   app.add_option("--to", arguments.to, "the file that is written (- is standard output)")->required();
   add_exchange_options(app, arguments.exchange);
-  app.add_option("--node", arguments.node, "of a scene: the tip of the rig that carries the camera")
+  app.add_option("--tip", arguments.tip, "of a scene: the tip of the rig that carries the camera")
       ->type_name("TIP");
   app.add_option("--decimals", arguments.decimals, "of each number, where the format has others")
       ->check(between(0, 12));

@@ -12,6 +12,7 @@
 #include "host_tools/cli/command.hpp"
 #include "host_tools/cli/exchange_arguments.hpp"
 #include "host_tools/cli/import_fit.hpp"
+#include "host_tools/cli/scene_import.hpp"
 #include "host_tools/cli/take_arguments.hpp"
 #include "host_tools/cli/take_table.hpp"
 #include "host_tools/exchange/arc_move.hpp"
@@ -32,6 +33,7 @@ struct ImportArguments {
   std::string file, to;
   std::optional<std::string> rig, rotation_order, separator, frame_column, seconds_column;
   ExchangeArguments exchange;
+  SceneArguments scene;
   bool has_decimal_commas = false;
   bool fills_gaps = false;
   std::vector<std::string> tolerances, resolutions;
@@ -162,7 +164,7 @@ void refuse_options_of_csv(const ImportArguments& arguments, ExchangeFormat form
   }
 }
 
-RecordedPositions positions_of(const ImportArguments& arguments) {
+RecordedPositions recorded_positions_of(const ImportArguments& arguments) {
   return arguments.exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told;
 }
 
@@ -172,7 +174,7 @@ BakedTable read_named_motion(const ImportArguments& arguments, ExchangeFormat fo
   if (arguments.exchange.is_measured && format != ExchangeFormat::record)
     throw UsageError("--measured is for a take or a record; leave it out");
   return read_motion(format, text, arguments.file,
-                     {.csv = csv_reading_of(arguments), .positions = positions_of(arguments)});
+                     {.csv = csv_reading_of(arguments), .positions = recorded_positions_of(arguments)});
 }
 
 ExchangeFormat format_of(const ImportArguments& arguments, const ExchangeWords& words,
@@ -187,12 +189,15 @@ ExchangeFormat format_of(const ImportArguments& arguments, const ExchangeWords& 
 
 BakedTable table_of_take_file(const ImportArguments& arguments) {
   TakeStore store(named_takes_file(arguments.file), TakeStore::Access::read);
-  return ticks_of_take(store, *arguments.exchange.take, positions_of(arguments));
+  return ticks_of_take(store, *arguments.exchange.take, recorded_positions_of(arguments));
 }
 
-/// Beside the move.
+/// Beside the move: shot.csv of shot.toml, unless that is what is imported.
 std::string rows_file_of(const ImportArguments& arguments) {
-  return std::filesystem::path(arguments.to).replace_extension(".csv").string();
+  namespace fs = std::filesystem;
+  const fs::path rows = fs::path(arguments.to).replace_extension(".csv");
+  if (fs::weakly_canonical(rows) != fs::weakly_canonical(arguments.file)) return rows.string();
+  return (rows.parent_path() / (rows.stem().string() + "_rows.csv")).string();
 }
 
 void write_rows_move(const ImportArguments& arguments, const RowsMove& move) {
@@ -248,6 +253,30 @@ int import_motion(const ImportArguments& arguments, BakedTable table, const Exch
   return 0;
 }
 
+void refuse_options_of_files(const ImportArguments& arguments) {
+  const bool is_said = arguments.has_decimal_commas || arguments.fills_gaps || arguments.separator ||
+                       arguments.frame_column || arguments.seconds_column || arguments.rate_hz ||
+                       arguments.reach_s || arguments.rotation_order || arguments.exchange.take ||
+                       arguments.exchange.is_measured;
+  if (is_said) {
+    throw UsageError(
+        fmt::format("{} is a scene; leave out what is said of tables, of takes and of rigs", arguments.file));
+  }
+}
+
+int import_scene_motion(const ImportArguments& arguments, SceneFormat format) {
+  if (!arguments.rig) throw UsageError("--rig is required: whose tip goes where the scene goes");
+  refuse_options_of_files(arguments);
+  ExchangeArguments exchange = arguments.exchange;
+  exchange.format.reset();  // it is this one
+  const ExchangeWords words = exchange_words_of(exchange);
+  SceneMotion motion =
+      read_scene_motion(arguments.file, format, arguments.scene, words, read_rig(*arguments.rig));
+  const int status = import_motion(arguments, std::move(motion.table), words);
+  if (motion.tip) print_scene_miss(motion, arguments.to, *arguments.rig);
+  return status;
+}
+
 int import_command(const ImportArguments& arguments) {
   if (arguments.to == "-" || !arguments.to.ends_with(".toml"))
     throw UsageError(fmt::format("--to {}: name a move or a rig, which ends in .toml", arguments.to));
@@ -262,6 +291,14 @@ int import_command(const ImportArguments& arguments) {
                                 {{"the rows beside --to", rows_file_of(arguments)}});
   refuse_to_overwrite(arguments.to, arguments.exchange.may_overwrite);
   check_output(arguments.to);
+  if (const auto scene = scene_format_of(arguments.exchange.format, arguments.file))
+    return import_scene_motion(arguments, *scene);
+  if (arguments.scene.is_said()) {
+    throw UsageError(
+        fmt::format("{} is no scene (.gltf, .glb, .usda); leave out --node, --tip, --place, --scale "
+                    "and --turn",
+                    arguments.file));
+  }
   const ExchangeWords words = exchange_words_of(arguments.exchange);
   if (arguments.rotation_order && !is_rotation_order(*arguments.rotation_order)) {
     throw UsageError(fmt::format("--rotation-order {}: write three axes in order, such as ZXY",
@@ -311,6 +348,10 @@ which it comes to its velocity; without it they are left open, and the rig is re
 drives are simulated: real ones are written in their place. --axis JOINT takes some of the joints only. A scene of
 Dragonframe without motion (.arcx) becomes a rig in which more is left open.
 
+A camera or an object of a scene (.gltf, .glb, .usda) moves a tip of the rig: on every frame the axes are solved from its
+URDF file, and the command says how far the tip is from the scene. --scale, --turn and --place put the scene on the
+stage. With --axis columns of it are axes instead: tx, ty, tz in metres with z up, pan, tilt and roll.
+
 Every row that is wrong is told: file, line, what, and what to do; exit status 1. Nothing is written over without
 --over.
 
@@ -322,6 +363,7 @@ Examples:
   inbetween import j.json --rig rig.toml --to j.toml --axis Jaw=jaw --count "Jaw=1500,-0.1deg" --phase boundary
   inbetween import takes.db --take 7 --measured --rig rig.toml --to again.toml
   inbetween import ik.json --rig rig.toml --to ik.toml --fps 24 --phase boundary --smooth 1 --fit 0.2 --plot fit.png
+  inbetween import shot.glb --rig rig.toml --to shot.toml --fps 24 --node Camera --place 2,0,0 --turn 90
   inbetween import robot.urdf --to rig.toml --rate-hz 250 --reach 0.5)";
 
 void describe(CLI::App& app, ImportArguments& arguments) {
@@ -330,6 +372,7 @@ void describe(CLI::App& app, ImportArguments& arguments) {
   app.add_option("--rig", arguments.rig, "the rig whose axes the columns are; not for a URDF file");
   app.add_option("--to", arguments.to, "the move or the rig that is written (.toml)")->required();
   add_exchange_options(app, arguments.exchange);
+  add_scene_options(app, arguments.scene);
   app.add_option("--rotation-order", arguments.rotation_order,
                  "of a file with three angles: about which axes they turn, one after the other")
       ->type_name("ZXY");

@@ -123,7 +123,7 @@ int export_scene(const SceneExport& arguments, SceneFormat format) {
         "the rig has no [kinematics], so that nobody knows where its camera is; name its URDF file "
         "there, or export a .chan file and say with --axis which axis is tx, ty, tz, rx, ry and rz");
   }
-  const Tip& tip = camera_tip(moved.rig, *moved.kinematics, arguments.node);
+  const Tip& tip = camera_tip(moved.rig, *moved.kinematics, arguments.tip);
   const RigScene made = scene_of_rig(moved.rig, *moved.kinematics, tip, moved.rows);
   std::string text;
   std::optional<GltfRounding> rounding;

@@ -13,7 +13,7 @@ namespace inbetween {
 struct SceneExport {
   std::string from, to;  // a move, or with ExchangeArguments::take a file of takes; "-" is standard output
   std::optional<std::string> rig, frames;
-  std::optional<std::string> node;  // the tip that carries the camera
+  std::optional<std::string> tip;  // the one that carries the camera
   std::optional<std::int32_t> turns;
   ExchangeArguments exchange;
 };

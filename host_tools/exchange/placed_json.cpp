@@ -74,9 +74,9 @@ struct JsonEvents {
     return add(JsonKind::number, at, number);
   }
   bool begin(JsonKind kind) {
-    if (open.size() == max_json_nesting) {
+    if (open.size() == document.bounds_.nesting) {
       throw InputError(document.place_of(read() - 1),
-                       fmt::format("this nests deeper than {}; no file of servos does", max_json_nesting));
+                       fmt::format("this nests deeper than {}; write it flatter", document.bounds_.nesting));
     }
     open.push_back(document.nodes_.size());
     return add(kind, read() - 1);
@@ -119,10 +119,11 @@ struct JsonEvents {
   }
 };
 
-PlacedJson::PlacedJson(std::string_view text, const std::string& file) : text_(text), file_(file) {
-  if (text.size() > max_json_bytes) {
+PlacedJson::PlacedJson(std::string_view text, const std::string& file, const JsonBounds& bounds)
+    : text_(text), file_(file), bounds_(bounds) {
+  if (text.size() > bounds.bytes) {
     throw InputError({file}, fmt::format("the file has {} bytes; write it in parts of at most {}",
-                                         text.size(), max_json_bytes));
+                                         text.size(), bounds.bytes));
   }
   texts_.emplace_back();  // the key of what has none
   JsonEvents events{.document = *this, .furthest = text.data()};

@@ -16,6 +16,12 @@ namespace inbetween {
 inline constexpr std::size_t max_json_bytes = std::size_t{8} << 20U;
 inline constexpr std::size_t max_json_nesting = 8;
 
+/// Of documents of other kinds.
+struct JsonBounds {
+  std::size_t bytes = max_json_bytes;
+  std::size_t nesting = max_json_nesting;
+};
+
 enum class JsonKind : std::uint8_t { null, boolean, number, text, object, array };
 
 /// Those within it stand behind it.
@@ -58,10 +64,10 @@ class JsonValue {
 
 class PlacedJson {
  public:
-  /// Throws InputError at line and column where it is not JSON, nests deeper than max_json_nesting, or names
-  /// a member of an object twice; at the file where it has more than max_json_bytes. O(bytes log bytes). The
-  /// text must live as long as the document.
-  PlacedJson(std::string_view text, const std::string& file);
+  /// Throws InputError at line and column where it is not JSON, nests deeper than the bound, or names a
+  /// member of an object twice; at the file where it has more bytes. O(bytes log bytes). The text must live
+  /// as long as the document.
+  PlacedJson(std::string_view text, const std::string& file, const JsonBounds& bounds = {});
   [[nodiscard]] JsonValue root() const { return {*this, 0}; }
 
  private:
@@ -72,6 +78,7 @@ class PlacedJson {
 
   std::string_view text_;
   std::string file_;
+  JsonBounds bounds_;
   std::vector<JsonNode> nodes_;
   std::vector<std::string> texts_;
 };

@@ -7,15 +7,13 @@
 #include <numbers>
 #include <set>
 
+#include "host_tools/joints/vector_length.hpp"
+
 namespace inbetween {
 namespace {
 
 /// A tip looks along x with z up, a camera along -z with y up.
 constexpr Rotation3 camera_in_tip{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}};
-
-double length(const Vector3& v) {
-  return std::hypot(v.x, v.y, v.z);
-}
 
 double value_of(const Joint& joint, double position) {
   return joint.factor * position + joint.offset;
@@ -149,17 +147,18 @@ const Tip& camera_tip(const RigFile& rig, const Kinematics& kinematics,
                       const std::optional<std::string>& named) {
   const std::vector<Tip>& tips = kinematics.tips();
   std::vector<std::string> names;
+  names.reserve(tips.size());
   for (const Tip& tip : tips) names.push_back(tip.name);
   const std::string wanted = named ? *named : rig.lens ? rig.lens->tip : tips.front().name;
   const auto found = std::ranges::find(tips, wanted, &Tip::name);
   if (found == tips.end()) {
-    throw InputError({rig.path}, fmt::format("the rig has no tip {}; name one of {} with --node",
+    throw InputError({rig.path}, fmt::format("the rig has no tip {}; name one of {} with --tip",
                                              in_quotes(wanted), comma_separated(names)));
   }
   if (named || rig.lens || tips.size() == 1) return *found;
   throw InputError(
       {rig.path},
-      fmt::format("the rig has several tips and no [lens]; say with --node which of {} carries the "
+      fmt::format("the rig has several tips and no [lens]; say with --tip which of {} carries the "
                   "camera",
                   comma_separated(names)));
 }

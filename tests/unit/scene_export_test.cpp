@@ -210,7 +210,7 @@ TEST(SceneExport, ACameraThatNobodyKnowsThePlaceOfIsRefused) {
   const Example walk{"examples/marionette/walk.toml", "examples/marionette/rig.toml"};
   const Kinematics& kinematics = *walk.plan.kinematics();
   EXPECT_THAT(refusal([&] { camera_tip(*walk.plan.rig(), kinematics, std::nullopt); }),
-              HasSubstr("several tips and no [lens]; say with --node which of head, left_foot"));
+              HasSubstr("several tips and no [lens]; say with --tip which of head, left_foot"));
   EXPECT_THAT(refusal([&] { camera_tip(*walk.plan.rig(), kinematics, "hat"); }),
               HasSubstr("no tip \"hat\"; name one of"));
   EXPECT_EQ(camera_tip(*walk.plan.rig(), kinematics, "head").name, "head");
