@@ -43,8 +43,9 @@ Quaternion nearer_sign(const Quaternion& q, const Quaternion& before) {
   return dot(q, before) < 0 ? negative(q) : q;
 }
 
-Quaternion slerp(const Quaternion& from, const Quaternion& to, double share) {
-  const Quaternion end = nearer_sign(to, from);
+Quaternion slerp(const Quaternion& first, const Quaternion& last, double share) {
+  const Quaternion from = of_length_one(first);
+  const Quaternion end = nearer_sign(of_length_one(last), from);
   const double cosine = std::min(1.0, dot(from, end));
   // Below this angle the sine that is divided by has lost digits, and a straight line is off by less.
   constexpr double nearly_one = 1 - 1e-10;

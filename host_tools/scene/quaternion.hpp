@@ -29,9 +29,10 @@ Rotation3 rotation_of(const Quaternion& quaternion);
 /// `q` or its negative: the one from which `before` is the shorter way.
 Quaternion nearer_sign(const Quaternion& q, const Quaternion& before);
 
-/// Spherical linear interpolation the shorter way round (Shoemake 1985), 0 <= share <= 1; the arguments have
-/// length 1. Quaternions that are nearly the same are interpolated on a straight line.
-Quaternion slerp(const Quaternion& from, const Quaternion& to, double share);
+/// Spherical linear interpolation the shorter way round (Shoemake 1985), 0 <= share <= 1, of quaternions of
+/// any length above 0. Half a turn goes as the signs say. Those that are nearly the same are interpolated on
+/// a straight line.
+Quaternion slerp(const Quaternion& first, const Quaternion& last, double share);
 
 /// By which angle one must be turned to be the other (rad, 0 to pi); good to rounding near 0 too.
 double angle_between(const Rotation3& a, const Rotation3& b);

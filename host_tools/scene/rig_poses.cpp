@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
+#include <utility>
+#include <vector>
 
 #include "host_tools/joints/tip_solver.hpp"
+#include "host_tools/scene/pose_descent.hpp"
 
 namespace inbetween {
 namespace {
@@ -37,16 +39,6 @@ std::vector<std::size_t> axes_that_move(const RigFile& rig, const Kinematics& ki
   return axes;
 }
 
-/// Where the axes put the link that is sought, with all others at 0, which do not move it.
-Pose pose_of(const Kinematics& kinematics, const Tip& tip, std::span<const std::size_t> axes,
-             const std::vector<double>& positions) {
-  std::vector<double> coordinates(kinematics.tree().coordinate_count(), 0);
-  for (std::size_t i = 0; i < axes.size(); ++i) coordinates[axes[i]] = positions[i];
-  std::vector<Pose> poses(kinematics.tree().joints().size());
-  if (!kinematics.tree().poses(coordinates, poses)) return {};
-  return poses[static_cast<std::size_t>(tip.link)];
-}
-
 }  // namespace
 
 PoseMiss miss_of(const Pose& found, const Pose& wanted) {
@@ -69,14 +61,25 @@ BakedTable axes_of_poses(const RigFile& rig, const Kinematics& kinematics, const
     sought.push_back({.axis = a, .min = axis.min, .max = axis.max, .near = axis.min / 2 + axis.max / 2});
   }
   const TipSolver solver(kinematics, tip.link, sought);
+  PoseDescent descent(kinematics, tip.link, axes);
   std::vector<double> positions;
-  // The solver stops at max_miss; where it is weaker this is still far below what a rig can do.
-  constexpr double max_m = 1e-9, max_rad = 1e-9;
+  constexpr double max_m = 1e-9, max_rad = 1e-9;  // far below what a rig can do
+  const auto is_there = [&](const PoseMiss& miss) {
+    return miss.place_m <= max_m && miss.turn_rad <= max_rad;
+  };
   for (std::size_t row = 0; row < rows.poses.size(); ++row) {
-    const TipTarget target = target_of(rows.poses[row]);
-    TipSolution solution = row == 0 ? solver.solve_from_ranges(target) : solver.solve(target, positions);
-    const PoseMiss miss = miss_of(pose_of(kinematics, tip, axes, solution.positions), rows.poses[row]);
-    if (miss.place_m > max_m || miss.turn_rad > max_rad) {
+    const Pose& wanted = rows.poses[row];
+    if (row == 0) positions = solver.solve_from_ranges(target_of(wanted)).positions;
+    std::vector<double> found = positions;
+    descent.descend(wanted, found);
+    PoseMiss miss = miss_of(descent.pose(found), wanted);
+    if (!is_there(miss) && row > 0) {  // the solver knows other ways there
+      found = solver.solve(target_of(wanted), positions).positions;
+      descent.descend(wanted, found);
+      miss = miss_of(descent.pose(found), wanted);
+    }
+    positions = std::move(found);
+    if (!is_there(miss)) {
       throw InputError(
           {scene.file},
           fmt::format("on frame {} the rig comes no nearer to the scene than {:.3g} mm and {:.3g} "
@@ -85,7 +88,6 @@ BakedTable axes_of_poses(const RigFile& rig, const Kinematics& kinematics, const
                       rows.first_frame + static_cast<std::int64_t>(row), miss.place_m * 1000,
                       miss.turn_rad * 180 / std::numbers::pi));
     }
-    positions = std::move(solution.positions);
     for (std::size_t i = 0; i < axes.size(); ++i) table.columns[i].values.push_back(positions[i]);
   }
   check_table(table);

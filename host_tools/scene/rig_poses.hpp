@@ -9,7 +9,7 @@
 namespace inbetween {
 
 /// A column for every axis that moves the tip, in its unit in the rig; on every row the tip is at the pose,
-/// with its rotation, within TipSolution::max_miss. The first row has the solution nearest to the middle of
+/// with its rotation, within 1e-9 m and 1e-9 rad. The first row has the solution nearest to the middle of
 /// the ranges and inside them if there is one, each other one that nearest to the row before, so that no axis
 /// jumps to another one. Rows outside a range are not refused here (rows_move_of does, with all of them).
 /// Throws InputError at the first row that the tip cannot have, with its frame and how near the rig comes,

@@ -50,8 +50,8 @@ std::vector<double> value_at(const SceneOp& op, double code) {
   if (op.curve == SceneCurve::step || share == 0) return value;
   const std::span<const double> next = value_of(op, key + 1);
   if (op.kind == SceneOpKind::quaternion && op.curve == SceneCurve::linear) {
-    const Quaternion q = slerp(quaternion_of(rotation_of({value[0], value[1], value[2], value[3]})),
-                               quaternion_of(rotation_of({next[0], next[1], next[2], next[3]})), share);
+    const Quaternion q =
+        slerp({value[0], value[1], value[2], value[3]}, {next[0], next[1], next[2], next[3]}, share);
     return {q.x, q.y, q.z, q.w};
   }
   for (std::size_t i = 0; i < value.size(); ++i) {

@@ -55,6 +55,8 @@ void UsdaWords::skip_value() {
   do {
     const UsdaWord word = take();
     if (word.kind == UsdaKind::end) refuse(word, "the text ends within a value; write the file again");
+    // The prim of another file is one value: @file@</prim>.
+    if (word.kind == UsdaKind::asset && next_.kind == UsdaKind::path) take();
     if (word.kind != UsdaKind::sign) continue;
     const char sign = word.letters.front();
     if (sign == '(') open += ')';

@@ -91,8 +91,10 @@ std::string random_move(const RigFile& rig, std::mt19937_64& random) {
   const int keys = std::uniform_int_distribution<int>(2, 6)(random);
   for (int key = 0; key < keys; ++key) {
     text += "  { at = [";
-    for (const RigAxis& axis : rig.axes)
-      text += fmt::format("{}, ", between(random, std::max(axis.min, -150.0), std::min(axis.max, 500.0)));
+    for (const RigAxis& axis : rig.axes) {
+      const double most = axis.unit == AxisUnit::deg ? 100 : 1000;  // no joint turns half a turn in a frame
+      text += fmt::format("{}, ", between(random, std::max(axis.min, -most), std::min(axis.max, most)));
+    }
     text += "] },\n";
   }
   text += "]\nspeed = [0, 0, 10, 10, 0, 0]\nweights = [";
