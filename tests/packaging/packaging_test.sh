@@ -74,6 +74,7 @@ expect "what it depends on is found out" 1 "$(dpkg-deb --field "$package" Depend
 dpkg-deb --contents "$package" >"$scratch/contents"
 for file in bin/inbetween share/man/man1/inbetween-run.1 share/doc/inbetween/examples/reveal.toml \
   share/bash-completion/completions/inbetween share/zsh/site-functions/_inbetween \
+  share/inbetween/blender/inbetween_blender.py \
   share/inbetween/editor/index.html share/inbetween/editor/solver.wasm share/doc/inbetween/licences/three; do
   expect "the package has $file" 1 "$(grep --count " ./usr/$file\$" "$scratch/contents")"
 done

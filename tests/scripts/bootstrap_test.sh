@@ -125,6 +125,9 @@ expect "the demo does not install what only the tests need" "" "$(run_bootstrap 
 machine_with "${editor_packages[@]}"
 expect "the editor's tests need a browser and no more" "" "$(run_bootstrap editor)$(cat "$scratch/calls")"
 
+machine_with "${blender_packages[@]}"
+expect "the tests inside Blender need Blender and no more" "" "$(run_bootstrap blender)$(cat "$scratch/calls")"
+
 machine_with "${demo_packages[@]/#clang-19/cmake}"
 expect "the demo installs what its page is built with" "scripts/bootstrap: installing clang-19" "$(run_bootstrap demo)"
 
@@ -207,6 +210,6 @@ E: told
 scripts/bootstrap: error: apt-get update failed; see above" "$(run_bootstrap)"
 
 expect "an unknown set is refused" \
-  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo, test, editor or arm64" "$(run_bootstrap dmeo)"
+  "scripts/bootstrap: error: unknown set of packages 'dmeo'; say demo, test, editor, blender or arm64" "$(run_bootstrap dmeo)"
 
 all_was_as_expected 'scripts/bootstrap: all as promised'
