@@ -148,6 +148,7 @@ def compare(what, wanted, got, metres_per_unit):
 def through_inbetween(folder, rig, by_plan):
     """What was exported becomes a move by the command that was printed, and comes back by a plan or an export."""
     fields = bpy.context.scene.inbetween
+    angles_go_on(fields.export_path)
     command = shlex.split(fields.said.splitlines()[-1])
     expect("the command is one of inbetween", ["inbetween", "import"], command[:2])
     run(*command[1:], "--over")
@@ -157,6 +158,16 @@ def through_inbetween(folder, rig, by_plan):
     else:
         run("export", move, "--rig", rig, "--to", back, "--over", "--decimals", "9")
     fields.import_path = back
+
+
+def angles_go_on(path):
+    """No angle jumps by a turn between two rows, which no axis could follow. None of these motions is so fast."""
+    with open(path, encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    for i, name in enumerate(rows[0]):
+        values = [float(row[i]) for row in rows[1:]]
+        if name.endswith("[deg]"):
+            hold(f"from row to row, deg: {name}", max(abs(b - a) for a, b in zip(values, values[1:])), 90)
 
 
 def camera_goes_round(folder, rate, metres_per_unit, up, mode):
@@ -192,13 +203,20 @@ def camera_goes_round(folder, rate, metres_per_unit, up, mode):
 
 
 def between_keyframes_is_a_line(obj):
-    """Halfway between two frames the object is halfway, for its keyframes are linear."""
-    scene, places = bpy.context.scene, []
-    for frame, subframe in ((20, 0.0), (20, 0.5), (21, 0.0)):
-        scene.frame_set(frame, subframe=subframe)
-        places.append(obj.location.copy())
-    bent = (places[0] + places[2]) / 2 - places[1]
-    hold("between two keyframes, share of the way", bent.length / (places[2] - places[0]).length, 1e-4)
+    """Halfway between two frames the object is halfway, for its keyframes are linear, and turns by the short way."""
+    scene = bpy.context.scene
+    for frame in range(scene.frame_start, scene.frame_end):
+        seen = []
+        for later, subframe in ((0, 0.0), (0, 0.5), (1, 0.0)):
+            scene.frame_set(frame + later, subframe=subframe)
+            seen.append(obj.matrix_world.copy())
+        before, between, after = (matrix.translation for matrix in seen)
+        hold("between two keyframes, share of the way", ((before + after) / 2 - between).length /
+             (after - before).length, 1e-4)
+        before, between, after = (matrix.to_quaternion() for matrix in seen)
+        angle = before.slerp(after, 0.5).rotation_difference(between).angle
+        # Angles that are halfway are not the rotation that is halfway, but near it.
+        hold("between two keyframes, rad", min(angle, 2 * math.pi - angle), 0.05)
 
 
 def object_goes_round(folder, order, up):
@@ -287,12 +305,28 @@ def armature_goes_round(folder, rate, metres_per_unit):
     expect(f"{what}: another armature is built", False, copy == armature)
     bpy.ops.inbetween.import_rows()
     compare(what, wanted, matrices(copy, bones=True), metres_per_unit)
+    if metres_per_unit == 1.0:
+        tip_is_on_its_plan(what, copy, "roll", "l8", metres_per_unit)
     # The move is fast; whether it fits is said by the program, and every line of it is shown.
     bpy.context.view_layer.objects.active = armature
     scene.inbetween.program = PROGRAM
     bpy.ops.inbetween.check_motion()
     said = bpy.data.texts["inbetween"].as_string()
     expect(f"{what}: a check shows the peaks of each joint", [], [name for name in EIGHT_JOINTS if name not in said])
+
+
+def tip_is_on_its_plan(what, armature, bone, link, metres_per_unit):
+    """The head of a bone is where `inbetween plan` has computed the link that the bone stands for."""
+    scene = bpy.context.scene
+    with open(scene.inbetween.import_path, encoding="utf-8") as file:
+        rows = {int(row["frame"]): row for row in csv.DictReader(file)}  # a pre-roll has frames below 0
+    for k in range(0, scene.frame_end, 8):
+        scene.frame_set(1 + k)
+        seen = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        tip = seen.matrix_world @ seen.pose.bones[bone].head * metres_per_unit
+        place = mathutils.Vector([float(rows[k][f"{link} {c} (m)"]) for c in "xyz"])
+        hold(f"tip of a rig, metres: {what}, frame {k}, unit of {metres_per_unit} m", (tip - place).length,
+             MAX_TIP_METRES)
 
 
 def rig_stands_where_its_plan_says(folder, metres_per_unit):
@@ -307,14 +341,7 @@ def rig_stands_where_its_plan_says(folder, metres_per_unit):
     bpy.ops.inbetween.import_rows()
     expect("columns of no channel are named", True,
            "columns that are of no channel: camera x, camera y, camera z" in scene.inbetween.said)
-    with open(back, encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    for k in range(0, len(rows), 8):
-        scene.frame_set(1 + k)
-        seen = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        tip = seen.matrix_world @ seen.pose.bones["mount"].head * metres_per_unit
-        place = mathutils.Vector([float(rows[k][f"camera {c} (m)"]) for c in "xyz"])
-        hold(f"tip of a rig, metres: frame {k}, unit of {metres_per_unit} m", (tip - place).length, MAX_TIP_METRES)
+    tip_is_on_its_plan("crane", armature, "mount", "camera", metres_per_unit)
     limits = {bone.name: [kind.type for kind in bone.constraints] for bone in armature.pose.bones}
     expect("joints have their limits, but not those that turn without end or follow",
            {"track": ["LIMIT_LOCATION"], "swing": ["LIMIT_ROTATION"], "boom": ["LIMIT_ROTATION"], "pan": [],
@@ -324,18 +351,71 @@ def rig_stands_where_its_plan_says(folder, metres_per_unit):
 
 def limit_holds(armature, metres_per_unit):
     """A joint that is turned or pushed too far stays at its limit; what follows it stays level."""
-    boom, track = armature.pose.bones["boom"], armature.pose.bones["track"]
-    for bone in (boom, track):
-        bone.keyframe_delete("location" if bone is track else "rotation_euler", index=1, frame=1)
     armature.animation_data.action = None
-    boom.rotation_euler[1], track.location[1] = 2.0, 9.0 / metres_per_unit
+    wanted = {"boom": (2.0, 1.0), "swing": (3.0, 2.8)}
+    for joint, (turned, _) in wanted.items():
+        armature.pose.bones[joint].rotation_euler[1] = turned
+    armature.pose.bones["track"].location[1] = 9.0 / metres_per_unit
     depsgraph = bpy.context.evaluated_depsgraph_get()
     depsgraph.update()
     seen = armature.evaluated_get(depsgraph)
-    local = seen.convert_space(pose_bone=seen.pose.bones["boom"], matrix=seen.pose.bones["boom"].matrix,
-                               from_space="POSE", to_space="LOCAL")
-    hold("limit of a joint, rad", abs(local.to_euler("YXZ").y - 1.0), 1e-5)
+    for joint, (_, limit) in wanted.items():
+        bone = seen.pose.bones[joint]
+        local = seen.convert_space(pose_bone=bone, matrix=bone.matrix, from_space="POSE", to_space="LOCAL")
+        hold(f"limit of a joint, rad: {joint}", abs(local.to_euler("YXZ").y - limit), 1e-5)
     hold("limit of a slide, m", abs(seen.pose.bones["track"].matrix.translation.x * metres_per_unit - 4.0), 1e-5)
+
+
+def ordinary_armature_goes_round(folder):
+    """Bones that nobody has locked: a column for each rotation that changes."""
+    scene = new_scene(folder)
+    armature = add(bpy.data.armatures.new("Puppet"), "Puppet")
+    bpy.ops.object.mode_set(mode="EDIT")
+    parent = None
+    for i, name in enumerate(("neck", "jaw")):
+        bone = armature.data.edit_bones.new(name)
+        bone.head, bone.tail, bone.parent = (0, 0.1 * i, i), (0.2 * i, 0, i + 1), parent
+        parent = bone
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for i, bone in enumerate(armature.pose.bones):
+        bone.rotation_mode = ("XYZ", "ZXY")[i]
+        for frame, angles in ((1, (0, 0, 0)), (20, (0.7, -0.5, 1.2 * i)), (40, (-0.3, 0.4, 0))):
+            bone.rotation_euler = angles
+            bone.keyframe_insert("rotation_euler", frame=frame)
+    wanted = matrices(armature, bones=True)
+    rig = scene.inbetween.rig = os.path.join(folder, "rig.toml")
+    write_rig(rig, {name: "deg" for name in ("neck.rx", "neck.ry", "jaw.rx", "jaw.ry", "jaw.rz")})
+    bpy.ops.inbetween.export_motion()
+    expect("what does not change has no column", True, "left out, for they do not change: neck.rz, neck.x, neck.y, "
+           "neck.z, jaw.x, jaw.y, jaw.z" in scene.inbetween.said)
+    through_inbetween(folder, rig, by_plan=True)
+    bpy.ops.inbetween.import_rows()
+    compare("puppet", wanted, matrices(armature, bones=True), 1.0)
+    armature.pose.bones["jaw"].rotation_mode = "QUATERNION"
+    refused(bpy.ops.inbetween.import_rows, "the bone jaw does not turn by Euler angles")
+
+
+def joints_follow(folder, metres_per_unit):
+    """A slide that follows a turn, in metres a radian, and a turn that follows a slide."""
+    path = os.path.join(folder, "follow.urdf")
+    joint = '<joint name="{0}" type="{1}"><parent link="{2}"/><child link="{0}"/><axis xyz="0 0 1"/>' \
+            '<limit lower="-9" upper="9" velocity="1"/>{3}</joint><link name="{0}"/>'
+    with open(path, "w", encoding="utf-8") as file:
+        file.write('<robot name="follow"><link name="base"/>' + joint.format("turn", "revolute", "base", "") +
+                   joint.format("lift", "prismatic", "turn", '<mimic joint="turn" multiplier="0.5" offset="0.1"/>') +
+                   joint.format("screw", "revolute", "lift", '<mimic joint="lift" multiplier="2" offset="-1"/>') +
+                   "</robot>")
+    scene = new_scene(folder, metres_per_unit=metres_per_unit)
+    scene.inbetween.urdf = path
+    bpy.ops.inbetween.build_armature()
+    armature = bpy.context.active_object
+    armature.pose.bones["turn"].rotation_euler[1] = 0.4
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    depsgraph.update()
+    seen = armature.evaluated_get(depsgraph).pose.bones
+    hold("a slide that follows, m", abs(seen["screw"].head.z * metres_per_unit - 0.3), 1e-6)
+    turned = seen["turn"].matrix.inverted() @ seen["screw"].matrix
+    hold("a turn that follows, rad", abs(turned.to_quaternion().angle - 0.4), 1e-5)
 
 
 def turns_go_on(folder):
@@ -428,6 +508,8 @@ def main():
                 object_goes_round(folder, order, up)
         for metres_per_unit in (1.0, 0.01):
             rig_stands_where_its_plan_says(folder, metres_per_unit)
+            joints_follow(folder, metres_per_unit)
+        ordinary_armature_goes_round(folder)
         turns_go_on(folder)
         axes_of_a_rig(folder)
         what_is_wrong_is_said(folder)

@@ -249,7 +249,7 @@ class ObjectMotion:
         first = len(self.channels) - len(self.lens)
         return [i for i in range(first, len(self.channels)) if all(row[i] == rows[0][i] for row in rows)]
 
-    def refuse_to_be_posed(self):
+    def refuse_to_be_posed(self, given):
         """What would move the object away from its keyframes is refused before anything is changed."""
         if any(not constraint.mute for constraint in self.obj.constraints):
             raise Refusal(f"{self.obj.name} has constraints that would move it away; mute or remove them")
@@ -343,6 +343,8 @@ class ArmatureMotion:
     MILLIMETRES = 1000.0
     # A joint turns about one axis; more than this about another is no joint. Single precision gives less.
     MAX_SWING_RAD = 1e-3
+    # What the pose of a bone that nobody moves is away from its rest, by single precision: far less than this.
+    STILL = {"mm": 0.01, "deg": 0.001}
 
     def __init__(self, scene, obj):
         self.scene, self.obj = scene, obj
@@ -398,10 +400,15 @@ class ArmatureMotion:
     def left_out(self, rows):
         """Channels that need no column: those of bones with several, where they stay at 0."""
         def is_still(i):
-            return not self.parts[i].is_alone and all(abs(row[i]) < 1e-4 for row in rows)
+            return not self.parts[i].is_alone and all(abs(row[i]) < self.STILL[self.channels[i].unit] for row in rows)
         return [i for i in range(len(self.parts)) if is_still(i)]
 
-    def refuse_to_be_posed(self):
+    def refuse_to_be_posed(self, given):
+        """What would not be where its keyframes are is refused before anything is changed."""
+        for i in given:
+            part = self.parts[i]
+            if not part.is_slide and part.bone.rotation_mode not in ROTATION_ORDERS:
+                raise Refusal(f"the bone {part.bone.name} does not turn by Euler angles; choose an Euler rotation mode")
         refuse_tracks(self.obj)
 
     def pose(self, frame, values, given):
@@ -409,8 +416,6 @@ class ArmatureMotion:
         for i in given:
             part = self.parts[i]
             value = values[i] / self.scale if part.is_slide else math.radians(values[i])
-            if not part.is_slide and part.bone.rotation_mode not in ROTATION_ORDERS:
-                raise Refusal(f"the bone {part.bone.name} does not turn by Euler angles; choose an Euler rotation mode")
             getattr(part.bone, part.driven_path())[part.index] = value
             part.bone.keyframe_insert(part.driven_path(), index=part.index, frame=frame)
 
@@ -602,12 +607,17 @@ def columns_of(file, motion, axes):
 
 
 def curves_of(owner):
-    """The curves of an action. Blender 5.0 has them in the channel bag of its slot, older ones in the action."""
+    """The curves of what has just got keyframes.
+
+    Since Blender 4.4 an action has slots, and a camera and its object may share one action; its own curves are in the
+    channel bag of its slot. Blender 5.0 has no others.
+    """
     data = owner.animation_data
-    if hasattr(data.action, "fcurves"):
+    slot = getattr(data, "action_slot", None)
+    if slot is None:
         return data.action.fcurves
     from bpy_extras import anim_utils  # here, because Blender before 4.4 has no such function
-    return anim_utils.action_get_channelbag_for_slot(data.action, data.action_slot).fcurves
+    return anim_utils.action_get_channelbag_for_slot(data.action, slot).fcurves
 
 
 def clear_for_keyframes(owners, over):
@@ -628,9 +638,9 @@ def import_rows(context, settings):
     file.refuse_other_rate(rate)
     motion = motion_of(scene, settings.obj, settings.up, settings.angles)
     found, others = columns_of(file, motion, AxisMap(settings.axes))
-    motion.refuse_to_be_posed()
-    stay = motion.sample(context.evaluated_depsgraph_get())
     given = sorted(found)
+    motion.refuse_to_be_posed(given)
+    stay = motion.sample(context.evaluated_depsgraph_get())
     owners = motion.animated(given)
     clear_for_keyframes(owners, settings.over)
     first = scene.frame_start if settings.at is None else settings.at
@@ -815,7 +825,7 @@ def build_armature(context, settings):
 def set_up_bone(obj, joint, metres):
     """The bone moves as its joint does, about or along its own y, and is locked otherwise."""
     bone = obj.pose.bones[joint.name]
-    bone.rotation_mode = "YXZ"  # in an order with y in the middle, y would have no values beyond 90 degrees
+    bone.rotation_mode = "YXZ"  # an order with y in the middle would lock where y is 90 degrees
     is_free = joint.type != "fixed" and joint.mimics is None
     slides = joint.type == "prismatic"
     bone.lock_location = (True, not (is_free and slides), True)
