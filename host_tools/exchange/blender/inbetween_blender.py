@@ -25,6 +25,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import textwrap
 import traceback
 import xml.etree.ElementTree
 
@@ -1043,7 +1044,8 @@ def main(arguments):
 
 # --- the panel -------------------------------------------------------------------------------------------------------
 
-MAX_PANEL_LINES = 12
+MAX_PANEL_LINES = 8
+PANEL_LETTER_PX = 7.5  # of the panel's font, wide enough for a line of capitals and digits
 
 
 FIELDS = {
@@ -1198,11 +1200,26 @@ class InbetweenPanel(bpy.types.Panel):
             for name in names:
                 box.prop(fields, name)
             box.operator(operator.bl_idname, icon=icon)
-        lines = fields.said.splitlines()
-        for line in lines[:MAX_PANEL_LINES]:
-            layout.label(text=line)
-        if len(lines) > MAX_PANEL_LINES:
-            layout.label(text='All lines are in the text "inbetween"')
+        self.draw_said(context, fields.said.splitlines())
+
+    def draw_said(self, context, lines):
+        """The last lines, which have the verdict of a check, as wide as the panel is."""
+        if not lines:
+            return
+        width = context.region.width / context.preferences.system.ui_scale / PANEL_LETTER_PX
+        shown = []
+        for line in reversed(lines):
+            wrapped = textwrap.wrap(line.strip(), max(20, int(width)))
+            if shown and len(shown) + len(wrapped) > MAX_PANEL_LINES:
+                break
+            shown = wrapped + shown
+            lines = lines[:-1]
+        column = self.layout.column()
+        column.scale_y = 0.7
+        for part in shown:
+            column.label(text=part)
+        if lines:
+            column.label(text='More in text "inbetween"', icon="TEXT")
 
 
 CLASSES = (InbetweenFields, ExportMotion, CheckMotion, ImportRows, BuildArmature, InbetweenPanel)
