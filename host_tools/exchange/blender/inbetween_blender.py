@@ -1090,6 +1090,7 @@ class PanelButton:
 
     bl_options = {"REGISTER", "UNDO"}
     needs_object = True
+    headline = 0  # which line says most
 
     @classmethod
     def poll(cls, context):
@@ -1102,13 +1103,13 @@ class PanelButton:
                             program=bpy.path.abspath(fields.program))
         try:
             settings.axes = axis_words(fields.axes)
-            lines, is_right = self.run(context, fields, settings)
+            lines, status = self.run(context, fields, settings)
         except Refusal as refusal:
             self.show(context, [str(refusal)])
             self.report({"ERROR"}, str(refusal))
             return {"CANCELLED"}
         self.show(context, lines)
-        self.report({"INFO"} if is_right else {"WARNING"}, lines[-1] if lines else "")
+        self.report({"INFO"} if status == 0 else {"WARNING"}, lines[self.headline] if lines else "")
         return {"FINISHED"}
 
     def show(self, context, lines):
@@ -1137,7 +1138,7 @@ class ExportMotion(PanelButton, bpy.types.Operator):
         lines = export_motion(context, settings)
         if not bpy.app.background:
             context.window_manager.clipboard = lines[-1]
-        return lines, True
+        return lines, 0
 
 
 class CheckMotion(PanelButton, bpy.types.Operator):
@@ -1145,11 +1146,11 @@ class CheckMotion(PanelButton, bpy.types.Operator):
 
     bl_idname = "inbetween.check_motion"
     bl_label = "Check"
+    headline = -1  # the verdict
 
     def run(self, context, fields, settings):
         settings.rig = self.needed(fields.rig, "Rig")
-        lines, status = check_motion(context, settings)
-        return lines, status == 0
+        return check_motion(context, settings)
 
 
 class ImportRows(PanelButton, bpy.types.Operator):
@@ -1160,7 +1161,7 @@ class ImportRows(PanelButton, bpy.types.Operator):
 
     def run(self, context, fields, settings):
         settings.path = self.needed(fields.import_path, "From")
-        return import_rows(context, settings), True
+        return import_rows(context, settings), 0
 
 
 class BuildArmature(PanelButton, bpy.types.Operator):
@@ -1172,7 +1173,7 @@ class BuildArmature(PanelButton, bpy.types.Operator):
 
     def run(self, context, fields, settings):
         settings.path = self.needed(fields.urdf, "URDF")
-        return build_armature(context, settings), True
+        return build_armature(context, settings), 0
 
 
 class InbetweenPanel(bpy.types.Panel):
