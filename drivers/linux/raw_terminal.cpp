@@ -35,7 +35,10 @@ bool make_raw(int file, std::int32_t baud) {
   const auto known = baud_of(baud);
   if (known == bauds.end() || ::tcgetattr(file, &settings) != 0) return false;
   ::cfmakeraw(&settings);
+  // cfmakeraw leaves a second stop bit and half of the flow control as the last program has set them.
+  settings.c_iflag &= ~static_cast<tcflag_t>(IXOFF | IXANY);
   settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS);
   settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);  // many boards start anew when the port is closed
   return ::cfsetspeed(&settings, known->second) == 0 && ::tcsetattr(file, TCSANOW, &settings) == 0;
 }

@@ -1,4 +1,5 @@
-// A port at which one host at a time is: a pseudo-terminal under a name, and TCP of this machine.
+// A port at which one host at a time is: a serial port, a pseudo-terminal under a name, and TCP of this
+// machine.
 #include "drivers/linux/host_port.hpp"
 
 #include <arpa/inet.h>
@@ -6,8 +7,10 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <array>
@@ -18,6 +21,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "tests/support/temporary_file.hpp"
 
@@ -99,6 +103,93 @@ TEST(HostPort, KeepsNothingForTheNextHostOfAPseudoTerminal) {
   std::array<char, 64> text{};
   EXPECT_LE(::read(second, text.data(), text.size()), 0);
   ::close(second);
+}
+
+/// A serial port and what is at the other end of its cable: a pair of pseudo-terminals, whose settings the
+/// last program has left as no host can use them.
+class SerialCable {
+ public:
+  SerialCable() : far_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
+    std::array<char, 128> path{};
+    EXPECT_TRUE(::grantpt(far_) == 0 && ::unlockpt(far_) == 0 &&
+                ::ptsname_r(far_, path.data(), path.size()) == 0);
+    path_ = path.data();
+    witness_ = open_pty_of(path_);
+    termios spoilt = settings();
+    spoilt.c_iflag |= IXON | IXOFF | IXANY | ICRNL | ISTRIP;
+    spoilt.c_oflag |= OPOST;
+    spoilt.c_lflag |= ICANON | ECHO | ISIG;
+    spoilt.c_cflag |= CSTOPB | CRTSCTS | HUPCL;
+    spoilt.c_cflag &= ~static_cast<tcflag_t>(CLOCAL);
+    EXPECT_EQ(::tcsetattr(witness_, TCSANOW, &spoilt), 0);
+  }
+  SerialCable(const SerialCable&) = delete;
+  SerialCable& operator=(const SerialCable&) = delete;
+  ~SerialCable() {
+    ::close(witness_);
+    unplug();
+  }
+  void unplug() {
+    if (far_ >= 0) ::close(far_);
+    far_ = -1;
+  }
+  [[nodiscard]] int far_end() const { return far_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] termios settings() const {
+    termios now{};
+    EXPECT_EQ(::tcgetattr(witness_, &now), 0);
+    return now;
+  }
+  [[nodiscard]] bool is_exclusive() const {
+    int exclusive = 0;
+    EXPECT_EQ(::ioctl(witness_, TIOCGEXCL, &exclusive), 0);
+    return exclusive != 0;
+  }
+
+ private:
+  int far_ = -1;
+  int witness_ = -1;  ///< the serial port as another program has it open, before it is taken
+  std::string path_;
+};
+
+TEST(HostPort, SetsASerialPortAndHasItAlone) {
+  for (const auto& [speed, constant] : {std::pair{115'200, B115200}, std::pair{57'600, B57600}}) {
+    const SerialCable cable;
+    ASSERT_FALSE(cable.is_exclusive());
+    HostPort port;
+    ASSERT_FALSE(port.open(cable.path(), speed));
+    const termios set = cable.settings();
+    EXPECT_EQ(::cfgetispeed(&set), constant);
+    EXPECT_EQ(::cfgetospeed(&set), constant);
+    EXPECT_EQ(set.c_cflag & (CSIZE | PARENB | CSTOPB | CRTSCTS | CLOCAL | CREAD | HUPCL),
+              static_cast<tcflag_t>(CS8 | CLOCAL | CREAD))
+        << "8N1, no flow control by lines, and no lines of a modem";
+    EXPECT_EQ(set.c_iflag & (IXON | IXOFF | IXANY | ICRNL | INLCR | IGNCR | ISTRIP | BRKINT | PARMRK), 0U);
+    EXPECT_EQ(set.c_oflag & OPOST, 0U);
+    EXPECT_EQ(set.c_lflag & (ICANON | ECHO | ECHONL | ISIG | IEXTEN), 0U);
+    EXPECT_TRUE(cable.is_exclusive()) << "no other program hears the host";
+  }
+}
+
+TEST(HostPort, PassesAllBytesOfASerialPortAndTellsThatItWasUnplugged) {
+  SerialCable cable;
+  HostPort port;
+  ASSERT_FALSE(port.open(cable.path(), baud));
+  EXPECT_EQ(port.look(0), PortChange::came) << "who is behind a serial port does not tell";
+  std::string all;
+  for (int byte = 0; byte < 256; ++byte) all.push_back(static_cast<char>(byte));
+  ASSERT_EQ(::write(cable.far_end(), all.data(), all.size()), 256);
+  EXPECT_EQ(read_from(port), all);
+  ASSERT_EQ(port.write(bytes_of(all)), 256U);
+  std::string back;
+  while (back.size() < all.size()) back += heard_at(cable.far_end());
+  EXPECT_EQ(back, all);
+
+  cable.unplug();
+  EXPECT_EQ(port.look(1), PortChange::went);
+  EXPECT_FALSE(port.has_host());
+  EXPECT_EQ(port.write(bytes_of("lost")), 0U);
+  EXPECT_EQ(port.look(2'000'000'000), PortChange::none) << "tried again, and there is no port";
 }
 
 int connected_to(const HostPort& port) {
