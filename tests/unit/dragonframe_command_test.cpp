@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <stdexcept>
 #include <string>
@@ -36,63 +35,70 @@ class Program {
  public:
   explicit Program(const std::string& protocol) : rig_("rig.toml", rig_for_host()) {
     const std::string port = "pty:" + port_name();
-    const std::string program = in_build("inbetween"), rig = rig_.path(), notes = folder_.path() / "notes";
+    const std::string program = in_build("inbetween"), rig = rig_.path();
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("there is no pipe");
     child_ = ::fork();
     if (child_ == 0) {
-      const int out = ::open(notes.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      const int in = ::open("/dev/null", O_RDONLY);
-      ::dup2(in, 0);
-      ::dup2(out, 1);
-      ::dup2(out, 2);
+      ::dup2(::open("/dev/null", O_RDONLY), 0);
+      ::dup2(ends[1], 1);
+      ::dup2(ends[1], 2);
       ::execl(program.c_str(), program.c_str(), "dragonframe", "--rig", rig.c_str(), "--device", port.c_str(),
               "--protocol", protocol.c_str(), "--sim", "--yes", nullptr);
       ::_exit(126);
     }
-    while (file_ < 0) {
-      file_ = ::open(port_name().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-      if (file_ < 0) ::poll(nullptr, 0, 5);
-      if (file_ < 0 && ::waitpid(child_, nullptr, WNOHANG) != 0) throw std::runtime_error("it has ended");
-    }
+    ::close(ends[1]);
+    out_ = ends[0];
+    await_words(protocol + " at " + port);  // the port is there
+    file_ = ::open(port_name().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    if (file_ < 0) throw std::runtime_error("the port is not there");
   }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
   ~Program() {
     if (file_ >= 0) ::close(file_);
     if (child_ > 0) end();
+    ::close(out_);
   }
   /// The exit status behind an interrupt.
   int end() {
     ::kill(child_, SIGINT);
+    while (read_words()) {
+    }
     int status = 0;
     ::waitpid(child_, &status, 0);
     child_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
   }
-  [[nodiscard]] std::string notes() const { return file_contents(folder_.path() / "notes"); }
+  /// What it has said so far.
+  [[nodiscard]] const std::string& words() const { return words_; }
+  void await_words(const std::string& words) {
+    while (words_.find(words) == std::string::npos) {
+      if (!read_words()) throw std::runtime_error("it has ended: " + words_);
+    }
+  }
   [[nodiscard]] std::string port_name() const { return folder_.path() / "port"; }
 
-  void write(const oracle::DmcBytes& bytes) const {
-    if (::write(file_, bytes.data(), bytes.size()) < 0) throw std::runtime_error("the port is gone");
-  }
-  /// What has come, at least a byte.
-  [[nodiscard]] oracle::DmcBytes read() const {
-    pollfd watched{.fd = file_, .events = POLLIN, .revents = 0};
-    if (::poll(&watched, 1, 10'000) <= 0) throw std::runtime_error("the device is silent");
-    std::array<std::uint8_t, 1024> bytes{};
-    const ssize_t count = ::read(file_, bytes.data(), bytes.size());
-    return {bytes.begin(), bytes.begin() + (count > 0 ? count : 0)};
-  }
+  /// The code of its acknowledgement, 0 where data answered it.
   unsigned ask(const oracle::DmcBytes& request) {
-    write(request);
-    host.hear(read());
+    if (::write(file_, request.data(), request.size()) < 0) throw std::runtime_error("the port is gone");
     while (host.answers() == 0) host.hear(read());
+    pushed_ = 0;
+    for (const oracle::DmcHeard& message : host.take_heard())
+      pushed_ = message.id == host.last_id() ? 0 : pushed_ + 1;
     return host.code();
   }
-  void wait_until_still() {
-    do {
-      ::poll(nullptr, 0, 5);
-      static_cast<void>(ask(host.status()));
-    } while (host.data()->number(0, 4) != 0);
+  /// Until the device has told something by itself since its last answer.
+  void await_push() {
+    while (pushed_ == 0) {
+      host.hear(read());
+      pushed_ = host.take_heard().size();
+    }
+    pushed_ = 0;
+  }
+  /// A device tells where it is while it moves, and when it rests.
+  void await_rest() {
+    while (static_cast<void>(ask(host.status())), host.data()->number(0, 4) != 0) await_push();
   }
   std::int32_t position() {
     static_cast<void>(ask(host.positions()));
@@ -102,18 +108,38 @@ class Program {
   oracle::DmcHost host;
 
  private:
+  /// False: there are no more.
+  bool read_words() {
+    std::array<char, 1024> text{};
+    const ssize_t count = ::read(out_, text.data(), text.size());
+    if (count > 0) words_.append(text.data(), static_cast<std::size_t>(count));
+    return count > 0;
+  }
+  /// What has come to the port, at least a byte.
+  [[nodiscard]] oracle::DmcBytes read() const {
+    pollfd watched{.fd = file_, .events = POLLIN, .revents = 0};
+    if (::poll(&watched, 1, 10'000) <= 0) throw std::runtime_error("the device is silent");
+    std::array<std::uint8_t, 1024> bytes{};
+    const ssize_t count = ::read(file_, bytes.data(), bytes.size());
+    return {bytes.begin(), bytes.begin() + (count > 0 ? count : 0)};
+  }
+
   TemporaryFolder folder_;
   TemporaryFile rig_;
   pid_t child_ = -1;
+  int out_ = -1;
   int file_ = -1;
+  std::string words_;
+  std::size_t pushed_ = 0;
 };
 
 TEST(DragonframeCommand, MovesASimulatedRigForAHost) {
   Program program("dmc");
   static_cast<void>(program.ask(program.host.hi()));
   EXPECT_EQ(program.host.data()->payload.at(35), 1) << "motors";
-  while (program.ask(program.host.move(1, 500)) != ok) ::poll(nullptr, 0, 5);  // the consent of --yes
-  program.wait_until_still();
+  program.await_words("agreed: the host may move the rig");  // the consent of --yes
+  ASSERT_EQ(program.ask(program.host.move(1, 500)), ok);
+  program.await_rest();
   EXPECT_EQ(program.position(), 500);
   EXPECT_EQ(program.ask(program.host.move(1, 180'001)), soft_upper);
 
@@ -125,18 +151,17 @@ TEST(DragonframeCommand, MovesASimulatedRigForAHost) {
   ASSERT_EQ(program.ask(program.host.upload_axis(1, 0, true, steps)), ok);
   ASSERT_EQ(program.ask(program.host.upload_end()), ok);
   ASSERT_EQ(program.ask(program.host.position_frame(1)), ok);
-  program.wait_until_still();
+  program.await_rest();
   ASSERT_EQ(program.ask(program.host.run({.fps_1000 = 25'000, .start = 1, .end = 40, .preroll_ms = 200})),
             ok);
-  program.wait_until_still();
-  while (program.ask(program.host.go()) != ok) ::poll(nullptr, 0, 5);
-  program.wait_until_still();
+  while (program.ask(program.host.go()) != ok) program.await_push();  // until it waits for it
+  program.await_rest();
   EXPECT_EQ(program.position(), steps.back());
   ASSERT_EQ(program.ask(program.host.stop_all()), ok);
   EXPECT_EQ(program.ask(program.host.move(1, 0)), general) << "a stop takes the consent away";
   EXPECT_EQ(program.end(), 0);
-  EXPECT_THAT(program.notes(), HasSubstr("outside its limits -180..180 deg"));
-  EXPECT_THAT(program.notes(), HasSubstr("the host stopped the rig"));
+  EXPECT_THAT(program.words(), HasSubstr("outside its limits -180..180 deg"));
+  EXPECT_THAT(program.words(), HasSubstr("the host stopped the rig"));
 }
 
 TEST(DragonframeCommand, RefusesARigWithoutSteps) {
