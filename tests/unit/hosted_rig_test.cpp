@@ -7,13 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "tests/support/hosted_rig_scene.hpp"
-#include "tests/support/rig_text.hpp"
 
 namespace inbetween {
 namespace hosted_rig_test {
@@ -23,42 +21,14 @@ using testing::HasSubstr;
 
 constexpr unsigned ok = 0x10, general = 0x15, not_in_position = 0x16, preroll = 0x17, soft_upper = 0x20,
                    soft_lower = 0x21;
-constexpr double steps_per_deg = 1000;
-
-/// So many axes of -180 to 180 deg, 1000 steps a degree.
-std::string rig_of(std::size_t axes,
-                   const LimitsText& limits = {.velocity = 60, .acceleration = 240, .jerk = 6000}) {
-  std::vector<AxisText> texts;
-  std::string steps;
-  for (std::size_t a = 0; a < axes; ++a) {
-    const std::string name = "axis" + std::to_string(a + 1);
-    texts.push_back(axis_text(name, "deg", {-180, 180}, limits, R"(reference = "operator")",
-                              R"(type = "pipe", path = "/dev/null", counts_per_unit = 10000)"));
-    steps += (a > 0 ? ", " : "") + name + " = 1000";
-  }
-  return rig_text(texts, {.rate_hz = 250, .more = "[dragonframe]\nsteps_per_unit = { " + steps + " }\n"});
-}
-
-/// A ramp of S form and a wave on it, from rest to rest, in steps.
-std::vector<std::int32_t> wave(std::size_t frames, double height_deg, double waves) {
-  std::vector<std::int32_t> steps;
-  for (std::size_t k = 0; k < frames; ++k) {
-    const double u = static_cast<double>(k) / static_cast<double>(frames - 1);
-    const double smooth = u * u * u * (10 - 15 * u + 6 * u * u);
-    const double bump = 16 * u * u * (1 - u) * (1 - u) * std::sin(2 * std::numbers::pi * waves * u);
-    steps.push_back(
-        static_cast<std::int32_t>(std::lround(steps_per_deg * height_deg * (smooth + 0.2 * bump))));
-  }
-  return steps;
-}
 
 TEST(HostedRig, MovesNothingBeforeSomebodyAgrees) {
-  HostedScene scene(rig_of(1));
+  HostedScene scene(hosted_rig_text(1));
   EXPECT_EQ(scene.ask(scene.host.move(1, 1000)), general);
   scene.run_for(1);
   EXPECT_EQ(scene.position(0), 0);
   EXPECT_EQ(scene.marks, 0U);
-  ASSERT_TRUE(scene.device->arm());
+  ASSERT_TRUE(scene.device.arm());
   EXPECT_EQ(scene.ask(scene.host.move(1, 1000)), ok);
   scene.run_until_still();
   EXPECT_EQ(scene.position(0), 1) << "a degree, to the last bit";
@@ -69,8 +39,8 @@ TEST(HostedRig, MovesNothingBeforeSomebodyAgrees) {
 }
 
 TEST(HostedRig, GoesNowhereBeyondTheLimitsOfTheRig) {
-  HostedScene scene(rig_of(1));
-  ASSERT_TRUE(scene.device->arm());
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.device.arm());
   EXPECT_EQ(scene.ask(scene.host.move(1, 180'001)), soft_upper);
   EXPECT_EQ(scene.ask(scene.host.move(1, -180'001)), soft_lower);
   scene.run_for(0.1);
@@ -88,8 +58,8 @@ TEST(HostedRig, GoesNowhereBeyondTheLimitsOfTheRig) {
 }
 
 TEST(HostedRig, IsNoFasterThanTheHostHasSet) {
-  HostedScene scene(rig_of(1));
-  ASSERT_TRUE(scene.device->arm());
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.device.arm());
   ASSERT_EQ(scene.ask(scene.host.speed(1, 5000, 10'000)), ok);
   ASSERT_EQ(scene.ask(scene.host.move(1, 20'000)), ok);
   scene.run_until_still();
@@ -103,8 +73,8 @@ TEST(HostedRig, IsNoFasterThanTheHostHasSet) {
 }
 
 TEST(HostedRig, JogsUntilTheHostIsSilent) {
-  HostedScene scene(rig_of(1));
-  ASSERT_TRUE(scene.device->arm());
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.device.arm());
   ASSERT_EQ(scene.ask(scene.host.speed(1, 20'000, 100'000)), ok);
   for (int i = 0; i < 10; ++i) {
     ASSERT_EQ(scene.ask(scene.host.jog(1, 10'000, 2'147'483'647)), ok);
@@ -118,8 +88,8 @@ TEST(HostedRig, JogsUntilTheHostIsSilent) {
 }
 
 TEST(HostedRig, CountsAsTheHostSaysWithoutMoving) {
-  HostedScene scene(rig_of(1));
-  ASSERT_TRUE(scene.device->arm());
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.device.arm());
   ASSERT_EQ(scene.ask(scene.host.reset(1, 50'000)), ok);
   scene.run_for(0.1);
   EXPECT_EQ(scene.steps(0), 50'000);
@@ -139,7 +109,7 @@ void expect_run_as_uploaded(const HostedScene& scene, const std::vector<std::vec
         static_cast<double>(first_tick) + static_cast<double>(frame) * scene.rig.rate_hz / fps;
     if (tick != std::floor(tick)) continue;
     for (std::size_t m = 0; m < motors.size(); ++m) {
-      const double at = scene.path.at(static_cast<std::size_t>(tick)).axes[m].position * steps_per_deg;
+      const double at = scene.path.at(static_cast<std::size_t>(tick)).axes[m].position * host_steps_per_deg;
       worst = std::max(worst, std::fabs(at - motors[m][frame]));
     }
   }
@@ -147,11 +117,11 @@ void expect_run_as_uploaded(const HostedScene& scene, const std::vector<std::vec
 }
 
 TEST(HostedRig, PlaysAnUploadOfTwoThousandFramesAndEightAxesToOneStep) {
-  HostedScene scene(rig_of(8));
-  ASSERT_TRUE(scene.device->arm());
+  HostedScene scene(hosted_rig_text(8));
+  ASSERT_TRUE(scene.device.arm());
   std::vector<std::vector<std::int32_t>> motors;
   for (int m = 0; m < 8; ++m) {
-    motors.push_back(wave(2000, 20 + 10 * m, m));
+    motors.push_back(host_wave(2000, 20 + 10 * m, m));
     ASSERT_EQ(scene.ask(scene.host.speed(static_cast<unsigned>(m + 1), 60'000, 200'000)), ok);
   }
   ASSERT_EQ(scene.upload(1, motors), ok) << scene.last_words();
@@ -173,26 +143,9 @@ TEST(HostedRig, PlaysAnUploadOfTwoThousandFramesAndEightAxesToOneStep) {
   EXPECT_GE(scene.pushed(0x0034), 2000U) << "a position at each frame";
 }
 
-/// A motor that stands on frame 1 of a move which is its own, and has agreed.
-void stand_on_first_frame(HostedScene& scene, const std::vector<std::vector<std::int32_t>>& motors) {
-  ASSERT_TRUE(scene.device->arm());
-  for (unsigned m = 1; m <= motors.size(); ++m)
-    ASSERT_EQ(scene.ask(scene.host.speed(m, 60'000, 200'000)), ok);
-  ASSERT_EQ(scene.upload(1, motors), ok) << scene.last_words();
-  ASSERT_EQ(scene.ask(scene.host.position_frame(1)), ok);
-  scene.run_until_still();
-}
-
-/// At a constant speed, which a move in the middle of a take has.
-std::vector<std::int32_t> ramp(std::size_t frames, std::int32_t per_frame) {
-  std::vector<std::int32_t> steps;
-  for (std::size_t k = 0; k < frames; ++k) steps.push_back(static_cast<std::int32_t>(k) * per_frame);
-  return steps;
-}
-
 TEST(HostedRig, GathersSpeedInThePreRollAndLosesItInThePostRoll) {
-  HostedScene scene(rig_of(2));
-  stand_on_first_frame(scene, {ramp(100, 400), ramp(100, -200)});
+  HostedScene scene(hosted_rig_text(2));
+  ASSERT_TRUE(scene.stand_on_first_frame({host_ramp(100, 400), host_ramp(100, -200)})) << scene.last_words();
   // 10 deg/s and 5 deg/s from frame 11 to 60, a second before and behind.
   ASSERT_EQ(scene.ask(scene.host.jog_all(25'000, 11)), ok);
   scene.run_until_still();
@@ -214,8 +167,9 @@ TEST(HostedRig, GathersSpeedInThePreRollAndLosesItInThePostRoll) {
 }
 
 TEST(HostedRig, StopsInTheMiddleOfARunOnItsPath) {
-  HostedScene scene(rig_of(2));
-  stand_on_first_frame(scene, {wave(200, 40, 0), wave(200, 80, 0)});
+  HostedScene scene(hosted_rig_text(2));
+  ASSERT_TRUE(scene.stand_on_first_frame({host_wave(200, 40, 0), host_wave(200, 80, 0)}))
+      << scene.last_words();
   ASSERT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 200})), ok)
       << scene.last_words();
   scene.run_until(DmcStage::wait);
@@ -228,7 +182,7 @@ TEST(HostedRig, StopsInTheMiddleOfARunOnItsPath) {
   // The second axis goes twice as far as the first, everywhere.
   for (const HostedTick& tick : scene.path)
     EXPECT_NEAR(tick.axes[1].position, 2 * tick.axes[0].position, 2e-3);
-  EXPECT_FALSE(scene.device->is_armed());
+  EXPECT_FALSE(scene.device.is_armed());
   EXPECT_EQ(scene.pushed(0x0114), 0U) << "no END behind a stop";
   const double rests = scene.position(0);
   scene.run_for(3);
@@ -238,15 +192,15 @@ TEST(HostedRig, StopsInTheMiddleOfARunOnItsPath) {
 }
 
 TEST(HostedRig, RefusesWhatItsLimitsDoNotHold) {
-  HostedScene scene(rig_of(1));
-  ASSERT_TRUE(scene.device->arm());
-  EXPECT_EQ(scene.upload(1, {wave(100, 181, 0)}), soft_upper);
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.device.arm());
+  EXPECT_EQ(scene.upload(1, {host_wave(100, 181, 0)}), soft_upper);
   EXPECT_THAT(scene.last_words(), HasSubstr("of the uploaded move"));
-  EXPECT_EQ(scene.upload(1, {wave(100, -181, 0)}), soft_lower);
+  EXPECT_EQ(scene.upload(1, {host_wave(100, -181, 0)}), soft_lower);
   scene.run_for(0.1);
   EXPECT_EQ(scene.ask(scene.host.position_frame(1)), general) << "there is no move";
   // In two seconds 170 degrees are too fast for 60 deg/s: the upload is fine, its run is not.
-  ASSERT_EQ(scene.upload(1, {wave(50, 170, 0)}), ok);
+  ASSERT_EQ(scene.upload(1, {host_wave(50, 170, 0)}), ok);
   ASSERT_EQ(scene.ask(scene.host.position_frame(1)), ok);
   scene.run_until_still();
   EXPECT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 50})), general);
@@ -256,8 +210,8 @@ TEST(HostedRig, RefusesWhatItsLimitsDoNotHold) {
 }
 
 TEST(HostedRig, RefusesAPreRollThatIsTooShort) {
-  HostedScene scene(rig_of(1));
-  stand_on_first_frame(scene, {ramp(100, 1000)});
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.stand_on_first_frame({host_ramp(100, 1000)})) << scene.last_words();
   // To 25 deg/s in 0.12 s takes 200 deg/s^2 in the mean, and 240 at most are there.
   EXPECT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 50, .preroll_ms = 120})),
             preroll);
@@ -268,16 +222,16 @@ TEST(HostedRig, RefusesAPreRollThatIsTooShort) {
 }
 
 TEST(HostedRig, ComesRoundUntilTheLoopIsStopped) {
-  HostedScene scene(rig_of(1));
-  std::vector<std::int32_t> there = wave(50, 10, 0);
+  HostedScene scene(hosted_rig_text(1));
+  std::vector<std::int32_t> there = host_wave(50, 10, 0);
   there.push_back(there.back());
-  stand_on_first_frame(scene, {there});
+  ASSERT_TRUE(scene.stand_on_first_frame({there})) << scene.last_words();
   ASSERT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 50, .flags = 0x01})), ok)
       << scene.last_words();
   scene.run_until(DmcStage::wait);
   ASSERT_EQ(scene.ask(scene.host.go()), ok);
   scene.run_for(1 + 4 * 2);
-  EXPECT_EQ(scene.device->stage(), DmcStage::shoot) << "there and back twice";
+  EXPECT_EQ(scene.device.stage(), DmcStage::shoot) << "there and back twice";
   EXPECT_EQ(scene.pushed(0x0114), 0U);
   ASSERT_EQ(scene.ask(scene.host.stop_loop()), ok);
   scene.run_until(DmcStage::jog);
@@ -285,8 +239,8 @@ TEST(HostedRig, ComesRoundUntilTheLoopIsStopped) {
 }
 
 TEST(HostedRig, ExposesAFrameInMotion) {
-  HostedScene scene(rig_of(1));
-  stand_on_first_frame(scene, {ramp(100, 1000)});
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.stand_on_first_frame({host_ramp(100, 1000)})) << scene.last_words();
   // Half a frame, half a degree, in 0.5 s: 1 deg/s.
   ASSERT_EQ(scene.ask(scene.host.shoot(20, true, 500, 500)), ok) << scene.last_words();
   scene.run_until(DmcStage::wait);
@@ -304,13 +258,14 @@ TEST(HostedRig, ExposesAFrameInMotion) {
 TEST(HostedRig, RestsOnItsPathWheneverTheHostIsUnplugged) {
   std::mt19937 random(20261129);
   for (int trial = 0; trial < 40; ++trial) {
-    HostedScene scene(rig_of(2));
-    stand_on_first_frame(scene, {wave(120, 30, 0), wave(120, -60, 0)});
+    HostedScene scene(hosted_rig_text(2));
+    ASSERT_TRUE(scene.stand_on_first_frame({host_wave(120, 30, 0), host_wave(120, -60, 0)}))
+        << scene.last_words();
     ASSERT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 120})), ok);
     scene.run_until(DmcStage::wait);
     ASSERT_EQ(scene.ask(scene.host.go()), ok);
     scene.run_for(std::uniform_real_distribution<double>(0, 6)(random));
-    scene.device->disconnect(scene.now_ns);
+    scene.device.disconnect(scene.now_ns);
     scene.run_for(2);
     SCOPED_TRACE(trial);
     EXPECT_EQ(scene.hosted->state().moving, 0U);
@@ -323,27 +278,27 @@ TEST(HostedRig, RestsOnItsPathWheneverTheHostIsUnplugged) {
       hardest = std::max(hardest, std::fabs(tick.axes[1].acceleration));
     }
     EXPECT_LE(hardest, 1.5 * 240 + 1e-6) << "the stop limit";
-    ASSERT_TRUE(scene.device->connect(scene.now_ns));
+    ASSERT_TRUE(scene.device.connect(scene.now_ns));
     EXPECT_EQ(scene.ask(scene.host.move(1, 0)), general) << "the next host has no consent";
   }
 }
 
 TEST(HostedRig, TellsTheHostOfAStopByTheRig) {
-  HostedScene scene(rig_of(1));
-  ASSERT_TRUE(scene.device->arm());
+  HostedScene scene(hosted_rig_text(1));
+  ASSERT_TRUE(scene.device.arm());
   ASSERT_EQ(scene.ask(scene.host.speed(1, 60'000, 200'000)), ok);
   ASSERT_EQ(scene.ask(scene.host.move(1, 100'000)), ok);
   scene.run_for(1);
   scene.loop.post(SupervisorEvent::stop);
   scene.run_until_still();
   EXPECT_EQ(scene.pushed(0x003A), 1U);
-  EXPECT_FALSE(scene.device->is_armed());
+  EXPECT_FALSE(scene.device.is_armed());
   EXPECT_FALSE(scene.hosted->is_ready());
   scene.run_for(3);
   scene.hosted->acknowledge();
   scene.run_for(1);
   ASSERT_TRUE(scene.hosted->is_ready());
-  ASSERT_TRUE(scene.device->arm());
+  ASSERT_TRUE(scene.device.arm());
   ASSERT_EQ(scene.ask(scene.host.move(1, 0)), ok);
   scene.run_until_still();
   EXPECT_EQ(scene.position(0), 0);
