@@ -383,14 +383,15 @@ TEST(MotionLoop, DisarmingStopsFirst) {
 struct FreeCrane : Crane {
   FreeAxes axes;
 
-  explicit FreeCrane(const std::vector<double>& from = {10, 100}) : axes(axes_at(from)) {
+  explicit FreeCrane(const std::vector<double>& from = {10, 100}, double share = 0.5)
+      : axes(axes_at(from, share)) {
     EXPECT_TRUE(loop.load(FreeSpec{
         .source = source_of(axes), .drive_of = drive_of, .limits = plan.limits(), .tick_seconds = tick_s}));
   }
-  static std::vector<FreeAxis> axes_at(const std::vector<double>& from) {
+  static std::vector<FreeAxis> axes_at(const std::vector<double>& from, double share = 0.5) {
     const RigFile rig = parse_rig(crane_rig, "rig.toml");
-    return {*FreeAxis::make(free_limits_of(rig.axes[2], 0.5), from[0], tick_s),
-            *FreeAxis::make(free_limits_of(rig.axes[0], 0.5), from[1], tick_s)};
+    return {*FreeAxis::make(free_limits_of(rig.axes[2], share), from[0], tick_s),
+            *FreeAxis::make(free_limits_of(rig.axes[0], share), from[1], tick_s)};
   }
   void begin() {
     arm();
@@ -419,6 +420,20 @@ TEST(MotionLoop, PlaysWhatIsNotOnATimeLineUntilItRests) {
   EXPECT_EQ(crane.loop.state(), SupervisorState::ready);
   crane.tick(3);
   EXPECT_THAT(crane.at(), ElementsAre(300, 0.25, 40));
+}
+
+// Where a motion came from far away, the last bits of its positions are more than those of a position near 0.
+TEST(MotionLoop, AFreeAxisAtAllOfItsSpeedPassesItsZero) {
+  FreeCrane crane({10, 100}, 1);
+  crane.arm();
+  ASSERT_TRUE(crane.loop.begin());
+  for (int way = 1; way <= 200; ++way) {
+    const double to = (way % 2 == 0 ? -1 : 1) * (40 + 0.237 * way);
+    ASSERT_TRUE(crane.axes.axes()[0].go_to(to));
+    do {
+      ASSERT_FALSE(crane.loop.tick(1, 0).lost_time) << "to " << to << ", from " << crane.at()[2];
+    } while (!crane.axes.is_resting());
+  }
 }
 
 TEST(MotionLoop, WithoutAMoveThereIsNoneToStart) {

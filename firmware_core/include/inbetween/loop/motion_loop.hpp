@@ -341,15 +341,17 @@ class MotionLoop {
       memory_.next[d] = played_by(playhead, memory_.motions[d]);
     }
   }
-  /// Whether an axis would go further in this tick than its max_velocity allows. One that goes exactly
-  /// as fast as that does not, although its positions and their difference are rounded.
+  /// Whether an axis would go further in this tick than its max_velocity allows. One that goes exactly as
+  /// fast as that does not: its positions are rounded, near 0 as coarsely as where it came from. What comes
+  /// too late goes twice as far.
   [[nodiscard]] bool jumps(std::size_t axes) {
     constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+    constexpr double rounding_of_motion = 1e-3;
     for (std::size_t d = 0; d < axes; ++d) {
       const double from = setpoint(d).position;
       const double to = memory_.next[d].position;
       const double distance = spec_.limits[d].max_velocity() * spec_.tick_seconds;
-      const double rounded = rounding * (std::fabs(from) + std::fabs(to) + distance);
+      const double rounded = rounding * (std::fabs(from) + std::fabs(to)) + rounding_of_motion * distance;
       if (std::fabs(to - from) > distance + rounded) return true;
     }
     return false;
