@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -253,34 +252,6 @@ TEST(HostedRig, ExposesAFrameInMotion) {
     EXPECT_NEAR(scene.path.at(go_tick + tick).axes[0].position, 18.75 + seconds, 2e-3) << tick;
   }
   EXPECT_NEAR(scene.position(0), 19.25 + 0.5, 2e-3) << "a second before and behind";
-}
-
-TEST(HostedRig, RestsOnItsPathWheneverTheHostIsUnplugged) {
-  std::mt19937 random(20261129);
-  for (int trial = 0; trial < 40; ++trial) {
-    HostedScene scene(hosted_rig_text(2));
-    ASSERT_TRUE(scene.stand_on_first_frame({host_wave(120, 30, 0), host_wave(120, -60, 0)}))
-        << scene.last_words();
-    ASSERT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 120})), ok);
-    scene.run_until(DmcStage::wait);
-    ASSERT_EQ(scene.ask(scene.host.go()), ok);
-    scene.run_for(std::uniform_real_distribution<double>(0, 6)(random));
-    scene.device.disconnect(scene.now_ns);
-    scene.run_for(2);
-    SCOPED_TRACE(trial);
-    EXPECT_EQ(scene.hosted->state().moving, 0U);
-    const double rests = scene.position(0);
-    scene.run_for(1);
-    EXPECT_EQ(scene.position(0), rests);
-    double hardest = 0;
-    for (const HostedTick& tick : scene.path) {
-      EXPECT_NEAR(tick.axes[1].position, -2 * tick.axes[0].position, 3e-3);
-      hardest = std::max(hardest, std::fabs(tick.axes[1].acceleration));
-    }
-    EXPECT_LE(hardest, 1.5 * 240 + 1e-6) << "the stop limit";
-    ASSERT_TRUE(scene.device.connect(scene.now_ns));
-    EXPECT_EQ(scene.ask(scene.host.move(1, 0)), general) << "the next host has no consent";
-  }
 }
 
 TEST(HostedRig, TellsTheHostOfAStopByTheRig) {
