@@ -32,7 +32,9 @@ HostLine::Device HostLine::device_of(HostProtocol protocol, const RigFile& rig, 
   RigPort port = [&hosted](const RigOrder& order) { return hosted.take(order); };
   if (protocol == HostProtocol::dfmoco)
     return Device(std::in_place_type<DfmocoDevice>, motors, std::move(port));
-  DmcFacts facts{.motors = motors, .frame_capacity = frame_capacity};
+  DmcFacts facts{.motors = motors,
+                 .outputs = static_cast<std::uint8_t>(output_count(rig)),
+                 .frame_capacity = frame_capacity};
   facts.name = rig.name.substr(0, 31);
   return Device(std::in_place_type<DmcDevice>, facts, std::move(port));
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -111,8 +112,9 @@ SetupEnd be_hosted(RigSession& session, HostPort& port, RigReference& reference,
   const RigFile& rig = session.rig();
   std::vector<AxisLimits> limits;
   for (const RigAxis& axis : rig.axes) limits.push_back(limits_of(slow_enough_everywhere(axis)));
+  const std::unique_ptr<LevelOutputs> outputs = LevelOutputs::open(rig, session.hardware());
   HostedMotion motion(session.loop(), resting_axes(session, options.share), std::move(limits),
-                      session.tick_seconds());
+                      session.tick_seconds(), outputs.get());
   HostedRig hosted(
       rig, motion,
       {.share = options.share,
@@ -124,8 +126,10 @@ SetupEnd be_hosted(RigSession& session, HostPort& port, RigReference& reference,
   attendant.begin(hosted, line);
   const ActEnd end = session.perform(motion);
   attendant.end();
+  const std::string outputs_trouble = outputs ? outputs->trouble() : "";
   SetupEnd result{.is_done = static_cast<bool>(end.begun)};
   result.reason = end.begun ? reason_of(session, "left; " + line.counts_in_words()) : end.begun.error().what;
+  if (!outputs_trouble.empty()) result.reason += "; " + outputs_trouble;
   const std::string unreached = session.rest();
   if (!unreached.empty()) result = {.is_done = false, .reason = unreached};
   result.positions = session.positions();

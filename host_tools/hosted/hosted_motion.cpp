@@ -16,13 +16,14 @@ Error busy() {
 }  // namespace
 
 HostedMotion::HostedMotion(RunLoop& loop, std::vector<FreeAxis> axes, std::vector<AxisLimits> limits,
-                           double tick_seconds)
+                           double tick_seconds, LevelOutputs* outputs)
     : loop_(loop),
       keys_(loop, true),
       free_(std::move(axes)),
       drive_of_(free_.axes().size()),
       limits_(std::move(limits)),
-      tick_seconds_(tick_seconds) {
+      tick_seconds_(tick_seconds),
+      outputs_(outputs) {
   for (const FreeAxis& axis : free_.axes()) free_limits_.push_back(axis.limits());
   std::iota(drive_of_.begin(), drive_of_.end(), std::size_t{0});
 }
@@ -70,6 +71,9 @@ void HostedMotion::obey(const MotionOrder& order) {
       break;
     case Kind::acknowledge:
       loop_.post(SupervisorEvent::acknowledge);
+      break;
+    case Kind::switch_outputs:
+      wanted_outputs_ = order.outputs;
       break;
     case Kind::none:
       break;
@@ -141,6 +145,7 @@ void HostedMotion::stop() {
 
 void HostedMotion::tick(std::int32_t ticks, std::int64_t now_ns) {
   while (const std::optional<MotionOrder> order = orders_.pop()) obey(*order);
+  if (outputs_ != nullptr) outputs_->set(wanted_outputs_, now_ns);
   if (loop_.state() != SupervisorState::ready) delay_ticks_ = 0;
   if (delay_ticks_ > 0) {
     delay_ticks_ = std::max<std::int64_t>(delay_ticks_ - ticks, 0);

@@ -13,6 +13,7 @@
 #include "host_tools/loop/run_loop.hpp"
 #include "host_tools/motions/free_axes.hpp"
 #include "host_tools/motions/staged_move.hpp"
+#include "host_tools/rig/level_outputs.hpp"
 #include "inbetween/play/free_axis.hpp"
 
 namespace inbetween {
@@ -24,15 +25,16 @@ inline constexpr std::size_t max_hosted_axes = 32;
 struct MotionOrder {
   enum class Kind : std::uint8_t {
     none,
-    limit,        ///< an axis that rests has these limits from now on
-    go,           ///< an axis goes to `position`, at `velocity` at most
-    stop_axis,    ///< an axis rests as soon as its limits allow
-    stop,         ///< everything does, a move on its path
-    travel,       ///< along `move`, from `from_frame`, where the rig is, to `frame`, at `rate`
-    play,         ///< `move` from its beginning, where the rig is, `delay_ticks` later
-    end_repeats,  ///< the move that plays is over at its next end
-    forget,       ///< no move is referred to any more; only while nothing moves
-    acknowledge,  ///< what stopped the rig: its drives are asked where they are, and held there
+    limit,           ///< an axis that rests has these limits from now on
+    go,              ///< an axis goes to `position`, at `velocity` at most
+    stop_axis,       ///< an axis rests as soon as its limits allow
+    stop,            ///< everything does, a move on its path
+    travel,          ///< along `move`, from `from_frame`, where the rig is, to `frame`, at `rate`
+    play,            ///< `move` from its beginning, where the rig is, `delay_ticks` later
+    end_repeats,     ///< the move that plays is over at its next end
+    forget,          ///< no move is referred to any more; only while nothing moves
+    acknowledge,     ///< what stopped the rig: its drives are asked where they are, and held there
+    switch_outputs,  ///< to `outputs`
   };
   Kind kind = Kind::none;
   std::uint32_t number = 0;
@@ -45,6 +47,7 @@ struct MotionOrder {
   std::int32_t frame = 0;
   double rate = 1;
   std::int64_t delay_ticks = 0;
+  std::uint32_t outputs = 0;  ///< bit 0 is the first
 };
 
 /// The rig after a tick.
@@ -64,12 +67,12 @@ struct MotionState {
   std::array<DriveState, max_hosted_axes> drives{};
 };
 
-/// Allocates only when it is made. Refers to the loop.
+/// Allocates only when it is made. Refers to the loop and the outputs.
 class HostedMotion final : public LoopTask {
  public:
-  /// `positions` are where the axes stand, `limits` what the loop holds them to.
-  HostedMotion(RunLoop& loop, std::vector<FreeAxis> axes, std::vector<AxisLimits> limits,
-               double tick_seconds);
+  /// `limits` are what the loop holds the axes to. `outputs` may be null.
+  HostedMotion(RunLoop& loop, std::vector<FreeAxis> axes, std::vector<AxisLimits> limits, double tick_seconds,
+               LevelOutputs* outputs = nullptr);
 
   // From another thread.
 
@@ -107,6 +110,8 @@ class HostedMotion final : public LoopTask {
   std::vector<std::size_t> drive_of_;
   std::vector<AxisLimits> limits_;
   double tick_seconds_;
+  LevelOutputs* outputs_;
+  std::uint32_t wanted_outputs_ = 0;
   StagedMove* move_ = nullptr;    ///< that the loop has; null: the axes by themselves
   std::int64_t delay_ticks_ = 0;  ///< until the move begins
   std::int64_t repeats_ = 0;

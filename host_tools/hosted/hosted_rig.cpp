@@ -220,7 +220,11 @@ RigAnswer HostedRig::apply(const StopAll& /*order*/) {
 }
 
 RigAnswer HostedRig::apply(const SetOutputs& order) {
-  return order.bits == 0 ? RigAnswer::ok : RigAnswer::unsupported;
+  const std::size_t outputs = output_count(rig_);
+  if (outputs == 0) return order.bits == 0 ? RigAnswer::ok : RigAnswer::unsupported;
+  if ((std::uint64_t{order.bits} >> outputs) != 0) return RigAnswer::range;
+  const bool is_sent = send({.kind = MotionOrder::Kind::switch_outputs, .outputs = order.bits});
+  return is_sent ? RigAnswer::ok : RigAnswer::general;
 }
 
 RigAnswer HostedRig::apply(const SetCamera& order) {

@@ -1,6 +1,7 @@
 // A rig as a host drives it: orders in, motions out, and what happens.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -32,6 +33,11 @@ struct HostedRigOptions {
   std::function<bool()> rig_has_changed = {};
 };
 
+/// How many outputs of the rig a host has.
+inline std::size_t output_count(const RigFile& rig) {
+  return std::min(rig.outputs.size(), LevelOutputs::max_outputs);
+}
+
 /// Takes the orders of a RigPort, beside the loop's thread. Motor 1 is the first axis.
 ///
 /// Its own limits come first: a position beyond one is soft_upper or soft_lower, and a run is proven with
@@ -39,7 +45,7 @@ struct HostedRigOptions {
 /// and JogAll use a share of the limits of the rig, and no more than the host has set; a run has its own
 /// speed. Consent is the business of who stands between the host and this.
 ///
-/// Live and coupled motors, outputs and a camera's lines are unsupported.
+/// Outputs are those of the rig, in its order. Live and coupled motors and a camera's lines are unsupported.
 class HostedRig {
  public:
   /// Refers to the rig, which has a section [dragonframe], and to the motion.

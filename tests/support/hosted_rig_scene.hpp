@@ -66,10 +66,11 @@ inline std::vector<std::int32_t> host_ramp(std::size_t frames, std::int32_t per_
   return steps;
 }
 
-/// One tick of the loop: where every axis was told to be, and where the rig's own drive says that it is.
+/// One tick of the loop: where every axis was told to be, where the rig's own drive is, which outputs are on.
 struct HostedTick {
   std::vector<Setpoint> axes{};
   std::vector<double> drives{};
+  std::uint32_t outputs = 0;
 };
 
 /// The rig, its loop, and the motions in it; who is at the port is below.
@@ -91,7 +92,9 @@ class HostedRigScene {
       free.push_back(free_axis_of(axis, free_limits_of(axis, share), 0, 1.0 / rig.rate_hz));
       limits.push_back(limits_of(slow_enough_everywhere(axis)));
     }
-    motion = std::make_unique<HostedMotion>(loop, std::move(free), std::move(limits), 1.0 / rig.rate_hz);
+    outputs = LevelOutputs::open(rig, hardware);
+    motion = std::make_unique<HostedMotion>(loop, std::move(free), std::move(limits), 1.0 / rig.rate_hz,
+                                            outputs.get());
     HostedRigOptions options{.share = share};
     options.about_to_move = [this](std::span<const std::size_t> axes) { marks += axes.size(); };
     options.keep = [this](const std::vector<DriveState>&) { ++keeps; };
@@ -145,6 +148,7 @@ class HostedRigScene {
   RigDrives drives;
   LoopStorage room;
   RunLoop loop;
+  std::unique_ptr<LevelOutputs> outputs;
   std::unique_ptr<HostedMotion> motion;
   std::unique_ptr<HostedRig> hosted;
   std::int64_t now_ns = 0;
@@ -172,6 +176,7 @@ class HostedRigScene {
     motion->tick(1, next_ns());
     HostedTick tick{.axes = {loop.setpoints().begin(), loop.setpoints().end()}};
     for (std::size_t a = 0; a < rig.axes.size(); ++a) tick.drives.push_back(hardware.true_position(a));
+    if (outputs) tick.outputs = outputs->bits();
     path.push_back(std::move(tick));
   }
   std::int64_t ticks_ = 0;
@@ -182,7 +187,8 @@ class HostedScene final : public HostedRigScene {
  public:
   explicit HostedScene(const std::string& rig_text, double share = 1)
       : HostedRigScene(rig_text, share),
-        device({.motors = static_cast<std::uint8_t>(rig.axes.size())},
+        device({.motors = static_cast<std::uint8_t>(rig.axes.size()),
+                .outputs = static_cast<std::uint8_t>(output_count(rig))},
                [this](const dragonframe::RigOrder& order) { return hosted->take(order); }) {
     device.connect(now_ns);
     pass();

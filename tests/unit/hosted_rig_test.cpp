@@ -275,5 +275,68 @@ TEST(HostedRig, TellsTheHostOfAStopByTheRig) {
   EXPECT_EQ(scene.position(0), 0);
 }
 
+/// Two lamps and a clapper, of which the host has numbers in this order.
+std::string rig_with_outputs() {
+  return hosted_rig_text(1) + R"([output.a_lamp]
+chip = "relays"
+line = 3
+[output.b_lamp]
+chip = "others"
+line = 0
+[output.clapper]
+chip = "relays"
+line = 7
+)";
+}
+
+TEST(HostedRig, SwitchesTheOutputsOfTheRig) {
+  HostedScene scene(rig_with_outputs());
+  ASSERT_EQ(scene.ask(scene.host.hi()), 0U);
+  EXPECT_EQ(scene.host.data()->payload.at(38), 3) << "outputs";
+  EXPECT_EQ(scene.ask(scene.host.ask(0x0021, {0x05, 0, 0, 0})), ok) << "they need no consent";
+  scene.tick();
+  EXPECT_EQ(scene.path.back().outputs, 0x05U);
+  EXPECT_EQ(scene.ask(scene.host.ask(0x0021, {0x08, 0, 0, 0})), 0x14U) << "there is no fourth";
+  scene.tick();
+  EXPECT_EQ(scene.path.back().outputs, 0x05U);
+  scene.device.disconnect(scene.now_ns);
+  scene.tick();
+  EXPECT_EQ(scene.path.back().outputs, 0U) << "with the host they are off";
+  EXPECT_EQ(scene.outputs->trouble(), "");
+}
+
+TEST(HostedRig, PlaysTriggersAndTheBloopOnItsOutputs) {
+  HostedScene scene(rig_with_outputs());
+  ASSERT_TRUE(scene.stand_on_first_frame({host_wave(60, 10, 0)})) << scene.last_words();
+  ASSERT_EQ(scene.ask(scene.host.upload_begin(1, 60)), ok);
+  ASSERT_EQ(scene.ask(scene.host.upload_axis(1, 0, true, host_wave(60, 10, 0))), ok);
+  // The lamps at frames 11 and 31, the second one alone from there on.
+  ASSERT_EQ(scene.ask(scene.host.upload_triggers(0x03, {{10, 1}, {11, 1}, {30, 2}})), ok);
+  ASSERT_EQ(scene.ask(scene.host.upload_end()), ok);
+  ASSERT_EQ(scene.ask(scene.host.position_frame(1)), ok);
+  scene.run_until_still();
+  ASSERT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000,
+                                      .start = 1,
+                                      .end = 59,
+                                      .is_synced = true,
+                                      .bloop_bits = 0x04,
+                                      .bloop_ms = 400})),
+            ok);
+  const std::size_t go = scene.go();
+  scene.run_until(DmcStage::jog);
+  scene.run_for(0.2);
+  const auto outputs_at = [&](std::size_t frame) {
+    return scene.path.at(go + 250 + 10 * (frame - 1) + 2).outputs;
+  };
+  EXPECT_EQ(scene.path.at(go + 2).outputs, 0x04U) << "the bloop begins with GO";
+  EXPECT_EQ(scene.path.at(go + 98).outputs, 0x04U);
+  EXPECT_EQ(scene.path.at(go + 103).outputs, 0U) << "and is over 0.4 s later";
+  for (std::size_t frame = 1; frame <= 59; ++frame) {
+    const std::uint32_t lamps = frame == 11 || frame == 12 ? 1 : frame == 31 ? 2 : 0;
+    EXPECT_EQ(outputs_at(frame), lamps) << frame << ", within two ticks of it";
+  }
+  EXPECT_EQ(outputs_at(60), 0x04U) << "and a bloop at the end";
+}
+
 }  // namespace hosted_rig_test
 }  // namespace inbetween
