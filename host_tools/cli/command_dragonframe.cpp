@@ -74,7 +74,7 @@ int dragonframe(const DragonframeArguments& arguments) {
   fmt::print("{}: {} at {}\n", rig.name, arguments.protocol, port.name());
   std::fflush(stdout);
   const InterruptWatch interrupts;
-  SetupEnd end;
+  HostSessionEnd end;
   {
     std::optional<KeyTerminal> terminal;
     if (KeyTerminal::is_there()) terminal.emplace();
@@ -93,7 +93,8 @@ int dragonframe(const DragonframeArguments& arguments) {
     end = give_to_host(rig, port, reference, options);
   }
   release_lost_terminal();
-  fmt::print("{}: {}\n", rig.name, end.reason);
+  fmt::print("{}: {}\n  late ticks {}; woken after {:.0f} us (99 %), {:.0f} us (worst)\n", rig.name,
+             end.reason, end.late_ticks, end.latency.p99_us, end.latency.max_us);
   std::vector<std::size_t> axes(rig.axes.size());
   for (std::size_t a = 0; a < axes.size(); ++a) axes[a] = a;
   if (!end.positions.empty()) print_positions(rig, reference, axes, end.positions);

@@ -138,15 +138,20 @@ SetupEnd be_hosted(RigSession& session, HostPort& port, RigReference& reference,
 
 }  // namespace
 
-SetupEnd give_to_host(const RigFile& rig, HostPort& port, RigReference& reference,
-                      const HostSessionOptions& options) {
+HostSessionEnd give_to_host(const RigFile& rig, HostPort& port, RigReference& reference,
+                            const HostSessionOptions& options) {
   reference.refuse_unreferenced(all_axes_of(rig));
   HostAttendant attendant(options);
   SessionOptions session_options = options.session;
   session_options.audience.keys = {};
   session_options.audience.device = [&] { return attendant.serve(); };
   RigSession session(rig, reference, session_options);
-  return end_of(session, [&] { return be_hosted(session, port, reference, attendant, options); });
+  HostSessionEnd end{
+      end_of(session, [&] { return be_hosted(session, port, reference, attendant, options); })};
+  session.end();
+  end.late_ticks = session.late_ticks();
+  end.latency = session.latency();
+  return end;
 }
 
 }  // namespace inbetween

@@ -1,6 +1,7 @@
 // A rig is switched on and given to a host, until somebody leaves.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -23,12 +24,18 @@ struct HostSessionOptions {
   std::function<void(const std::string& state, const std::vector<std::string>& events)> tell = {};
 };
 
+/// How it ended, and how the loop kept its time until then.
+struct HostSessionEnd : SetupEnd {
+  std::int64_t late_ticks = 0;
+  WakeLatency latency = {};
+};
+
 /// The host's orders are those of HostedRig; Enter agrees, Esc stops and takes the consent away, q and an
 /// interrupt leave. The rig has a section [dragonframe], and the port is open.
 ///
 /// Throws InputError where an axis is unreferenced or stands outside its limits (nothing has moved then), and
 /// what RigSession and RigReference throw.
-SetupEnd give_to_host(const RigFile& rig, HostPort& port, RigReference& reference,
-                      const HostSessionOptions& options);
+HostSessionEnd give_to_host(const RigFile& rig, HostPort& port, RigReference& reference,
+                            const HostSessionOptions& options);
 
 }  // namespace inbetween

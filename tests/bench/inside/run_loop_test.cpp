@@ -1,9 +1,7 @@
 // The whole loop of `run` on a bus with drives in another process: which system calls it makes, and that its
 // memory is there.
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -12,14 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "drivers/linux/interrupt_watch.hpp"
 #include "drivers/linux/monotonic_clock.hpp"
 #include "drivers/linux/real_time.hpp"
 #include "drivers/linux/telemetry_ring.hpp"
 #include "host_tools/loop/loop_preparations.hpp"
 #include "host_tools/loop/loop_runner.hpp"
 #include "host_tools/loop/loop_storage.hpp"
-#include "host_tools/motions/sim_drives.hpp"
 #include "host_tools/motions/staged_move.hpp"
 #include "host_tools/motions/transport.hpp"
 #include "host_tools/plan/plan.hpp"
@@ -28,6 +24,7 @@
 #include "host_tools/takes/take_store.hpp"
 #include "host_tools/takes/taken_motion.hpp"
 #include "tests/bench/inside/allowed_calls.hpp"
+#include "tests/bench/inside/drives_process.hpp"
 #include "tests/support/rig_text.hpp"
 #include "tests/support/temporary_file.hpp"
 
@@ -49,36 +46,6 @@ const std::string bench = rig_text({axis_text("x", "mm", {-1, 60}, {.velocity = 
                                     axis_text("y", "mm", {-1, 60}, {.velocity = 100, .acceleration = 1000},
                                               R"(unpowered = "holds")", cia402_text(2))},
                                    {.name = "bench", .rate_hz = 25, .more = bus_can0});
-
-/// The drives of the rig, for as long as this lives. They have power when it is made.
-class DrivesProcess {
- public:
-  explicit DrivesProcess(const RigFile& rig) {
-    std::array<int, 2> ready{};
-    if (::pipe(ready.data()) != 0) std::abort();
-    child_ = ::fork();
-    if (child_ == 0) {
-      const InterruptWatch watch;
-      run_sim_drives(rig, {.interrupted = &InterruptWatch::asked, .ready = [&] {
-                             if (::write(ready[1], "!", 1) != 1) ::_exit(1);
-                           }});
-      ::_exit(0);
-    }
-    ::close(ready[1]);
-    char byte = 0;
-    if (::read(ready[0], &byte, 1) != 1) std::abort();
-    ::close(ready[0]);
-  }
-  ~DrivesProcess() {
-    ::kill(child_, SIGTERM);
-    ::waitpid(child_, nullptr, 0);
-  }
-  DrivesProcess(const DrivesProcess&) = delete;
-  DrivesProcess& operator=(const DrivesProcess&) = delete;
-
- private:
-  pid_t child_ = -1;
-};
 
 /// What a run consists of, without its audience. With a sink every tick goes there.
 struct LoopOnBus {
