@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,7 @@ namespace {
 
 struct ExportArguments {
   std::string from, to;
-  std::optional<std::string> rig, frames, tip;
+  std::optional<std::string> rig, frames, tip, line_test;
   ExchangeArguments exchange;
   std::optional<std::int32_t> decimals, turns;
   bool has_rolls = false;
@@ -69,6 +70,23 @@ void refuse_positions_of_servos(const BakedTable& table) {
                    "servos have counts; say which count is 0 of the axis and how far one is, with" + open);
 }
 
+/// Pictures, and a scene of the same beside them.
+int export_line_test(const ExportArguments& arguments) {
+  if (!arguments.to.empty() || arguments.exchange.format)
+    throw UsageError("--line-test has its own files; leave out --to and --format");
+  if (arguments.has_rolls || arguments.decimals)
+    throw UsageError("a line test has the frames of the move; leave out --rolls and --decimals");
+  return export_scene({.from = arguments.from,
+                       .to = (std::filesystem::path(*arguments.line_test) / "scene.glb").string(),
+                       .rig = arguments.rig,
+                       .frames = arguments.frames,
+                       .tip = arguments.tip,
+                       .turns = arguments.turns,
+                       .line_test = arguments.line_test,
+                       .exchange = arguments.exchange},
+                      SceneFormat::glb);
+}
+
 int export_as_scene(const ExportArguments& arguments, SceneFormat format) {
   if (arguments.has_rolls) throw UsageError("a scene has the frames of the move; leave out --rolls");
   if (arguments.decimals) throw UsageError("a scene has its numbers in full; leave out --decimals");
@@ -78,11 +96,14 @@ int export_as_scene(const ExportArguments& arguments, SceneFormat format) {
                        .frames = arguments.frames,
                        .tip = arguments.tip,
                        .turns = arguments.turns,
+                       .line_test = {},
                        .exchange = arguments.exchange},
                       format);
 }
 
 int export_command(const ExportArguments& arguments) {
+  if (arguments.line_test) return export_line_test(arguments);
+  if (arguments.to.empty()) throw UsageError("--to is required: the file that is written");
   const auto scene = scene_format_of(arguments.exchange.format, arguments.to);
   if (scene) return export_as_scene(arguments, *scene);
   if (arguments.tip) throw UsageError("--tip is for a scene (.gltf, .glb, .usda); leave it out");
@@ -126,7 +147,8 @@ row later, in the middle of its exposure.
 
 A file that ends in .gltf, .glb or .usda is a scene: the links of the rig's URDF file and its camera, as they move, for
 Blender, Unreal, Houdini, Maya and viewers. --up and --unit say in which space USD has it; glTF has metres and y up.
-The summary says how far the camera is off between two rows; --fps takes more of them.
+The summary says how far the camera is off between two rows; --fps takes more of them. --line-test DIR draws a picture
+for each frame: the path of the camera, the links of the rig, and what the camera sees.
 
 With --take N a file of takes is named in place of the move: rows are where the axes were told to be when the move
 passed each frame, with --measured where they were.
@@ -141,13 +163,17 @@ Examples:
   inbetween export move.toml --rig rig.toml --to - --format csv --fps 25 --phase centre
   inbetween export move.toml --rig rig.toml --to shot.glb
   inbetween export move.toml --rig rig.toml --to shot.usda --up y --unit cm
+  inbetween export move.toml --rig rig.toml --line-test pictures
   inbetween export takes.db --take 7 --measured --to measured.csv)";
 
 void describe(CLI::App& app, ExportArguments& arguments) {
   app.add_option("MOVE", arguments.from, "the move, or with --take a file of takes")->required();
   app.add_option("--rig", arguments.rig, "the rig that it is for; not with --take");
-  app.add_option("--to", arguments.to, "the file that is written (- is standard output)")->required();
+  app.add_option("--to", arguments.to, "the file that is written (- is standard output)");
   add_exchange_options(app, arguments.exchange);
+  app.add_option("--line-test", arguments.line_test,
+                 "in place of --to: a folder with a picture of the rig for each frame, and scene.glb")
+      ->type_name("DIR");
   app.add_option("--tip", arguments.tip, "of a scene: the tip of the rig that carries the camera")
       ->type_name("TIP");
   app.add_option("--decimals", arguments.decimals, "of each number, where the format has others")

@@ -3,16 +3,19 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "host_tools/cli/command.hpp"
+#include "host_tools/cli/progress_bar.hpp"
 #include "host_tools/cli/take_arguments.hpp"
 #include "host_tools/cli/take_table.hpp"
 #include "host_tools/scene/axis_rows.hpp"
 #include "host_tools/scene/gltf_writer.hpp"
+#include "host_tools/scene/line_test.hpp"
 #include "host_tools/scene/rig_scene.hpp"
 #include "host_tools/scene/usda_writer.hpp"
 #include "host_tools/takes/taken_rig.hpp"
@@ -103,6 +106,32 @@ void print_summary(std::FILE* out, const SceneExport& arguments, SceneFormat for
   fmt::print(out, "  the path, the keys and the speed curve are in the move only: keep it\n");
 }
 
+constexpr std::size_t max_pictures = 100'000;
+
+/// Its pictures are numbered as the frames are, so that a player shows them in their order.
+void draw_line_test(const AnimatedScene& scene, const std::string& folder) {
+  const LineTest test(scene);
+  ProgressBar bar;
+  for (std::size_t row = 0; row < scene.rows; ++row) {
+    const std::int64_t frame = scene.first_frame + static_cast<std::int64_t>(row);
+    const std::string name = fmt::format("frame_{:05}.png", frame);
+    test.draw(row, std::filesystem::path(folder) / name);
+    bar.show(static_cast<double>(row + 1) / static_cast<double>(scene.rows), name);
+  }
+}
+
+void make_folder(const std::string& folder, bool may_overwrite) {
+  std::error_code error;
+  const bool is_used = std::filesystem::exists(folder, error) && !std::filesystem::is_empty(folder, error);
+  if (is_used && !may_overwrite)
+    throw InputError(
+        {folder},
+        "is there already, and not empty; add --over to write over its pictures, or name another folder");
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw InputError({folder}, fmt::format("cannot be made ({}); name another folder", error.message()));
+}
+
 }  // namespace
 
 int export_scene(const SceneExport& arguments, SceneFormat format) {
@@ -114,6 +143,7 @@ int export_scene(const SceneExport& arguments, SceneFormat format) {
   refuse_outputs_in_one_place(
       {{"MOVE", is_take ? named_takes_file(arguments.from) : arguments.from}, {"--rig", arguments.rig}},
       {{"--to", arguments.to}});
+  if (arguments.line_test) make_folder(*arguments.line_test, exchange.may_overwrite);
   refuse_to_overwrite(arguments.to, exchange.may_overwrite);
   check_output(arguments.to);
   const MovedRig moved = is_take ? rig_of_take(arguments, words) : rig_of_plan(arguments, words);
@@ -125,6 +155,11 @@ int export_scene(const SceneExport& arguments, SceneFormat format) {
   }
   const Tip& tip = camera_tip(moved.rig, *moved.kinematics, arguments.tip);
   const RigScene made = scene_of_rig(moved.rig, *moved.kinematics, tip, moved.rows);
+  if (arguments.line_test && made.scene.rows > max_pictures) {
+    throw InputError({moved.rows.name},
+                     fmt::format("{} pictures are more than {}; take a part of the move with --frames",
+                                 made.scene.rows, max_pictures));
+  }
   std::string text;
   std::optional<GltfRounding> rounding;
   if (format == SceneFormat::usda) {
@@ -135,6 +170,11 @@ int export_scene(const SceneExport& arguments, SceneFormat format) {
     rounding = written.rounding;
   }
   write_output(arguments.to, [&](std::FILE* out) { std::fwrite(text.data(), 1, text.size(), out); });
+  if (arguments.line_test) {
+    draw_line_test(made.scene, *arguments.line_test);
+    fmt::print("{}: {} of the path, the links and what the camera sees\n", *arguments.line_test,
+               counted(static_cast<std::int64_t>(made.scene.rows), "picture"));
+  }
   print_summary(summary_stream(arguments.to == "-"), arguments, format, made, rounding);
   return 0;
 }

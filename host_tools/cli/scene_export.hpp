@@ -15,6 +15,7 @@ struct SceneExport {
   std::optional<std::string> rig, frames;
   std::optional<std::string> tip;  // the one that carries the camera
   std::optional<std::int32_t> turns;
+  std::optional<std::string> line_test;  // a folder for a picture of each row, beside `to`
   ExchangeArguments exchange;
 };
 
