@@ -33,7 +33,7 @@ std::string without_extension(const std::string& file) {
 
 std::string suggested_name(const FileLayer& files, const std::string& file) {
   constexpr int max_tried = 1000;
-  const std::string stem = without_extension(file);
+  std::string stem = without_extension(file);
   if (is_free(files, stem)) return stem;
   for (int number = 2; number < max_tried; ++number) {
     std::string name = fmt::format("{}-{}", stem, number);

@@ -1,5 +1,5 @@
-// Any bytes are an edit, a drawn motion or a refusal in one line; and whatever a request says of itself, it
-// comes in only with the right Host, Origin, token, method and type.
+// Any bytes are an edit, a drawn motion, an import or a refusal in one line; and whatever a request says of
+// itself, it comes in only with the right Host, Origin, token, method and type.
 #include "host_tools/edit/edit_request.hpp"
 
 #include <algorithm>
@@ -59,6 +59,14 @@ void require_motion(std::string_view text) {
   require_finite(sampled.positions);
 }
 
+void require_import(std::string_view text) {
+  const ImportRequest import = parse_import_request(text);
+  fuzz_require(!import.file.empty() && import.file.find('/') == std::string::npos, "a file is in no folder");
+  fuzz_require(import.bytes.size() <= text.size(), "no byte comes from nowhere");
+  for (const auto& [question, answer] : import.answers)
+    fuzz_require(answer.size() <= 255, "an answer is a few words");
+}
+
 /// The text as the lines of a request: method, path, host, origin, token, type; "-": no such header.
 void require_knock(std::string_view text) {
   std::array<std::optional<std::string_view>, 6> lines;
@@ -96,6 +104,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::string_view text(reinterpret_cast<const char*>(bytes), size);
   inbetween::require_edit_or_refusal(text, inbetween::require_edit);
   inbetween::require_edit_or_refusal(text, inbetween::require_motion);
+  inbetween::require_edit_or_refusal(text, inbetween::require_import);
   inbetween::require_knock(text);
   return 0;
 }
