@@ -103,6 +103,7 @@ TEST(HostedSessions, EveryRoundOfALoopIsTheUpload) {
   ASSERT_EQ(scene.ask(scene.host.run({.fps_1000 = 25'000, .start = 1, .end = 120, .flags = loop})), ok)
       << scene.last_words();
   const std::size_t go = scene.go();
+  const std::size_t pushed_before = scene.pushed(0x0034);
   scene.run_for(1 + 3.5 * 120 / 25);
   ASSERT_EQ(scene.ask(scene.host.stop_loop()), ok);
   scene.run_until(DmcStage::jog);
@@ -114,6 +115,9 @@ TEST(HostedSessions, EveryRoundOfALoopIsTheUpload) {
   scene.run_for(1);
   EXPECT_EQ(scene.pushed(0x0114), 1U);
   EXPECT_EQ(scene.position(0), 0);
+  // A position at each frame of each round, once, and ten a second.
+  EXPECT_GE(scene.pushed(0x0034) - pushed_before, 4U * 120);
+  EXPECT_LE(scene.pushed(0x0034) - pushed_before, 4U * 120 + 10 * 22);
 }
 
 TEST(HostedSessions, PingPongIsTheUploadThereAndBack) {
