@@ -23,6 +23,9 @@ Saving changes in the file what was edited; comments, order and everything else 
 changed the file meanwhile, the page says so and keeps both versions. What was not saved comes back with the page,
 and a page that is open goes on when the program is started again. docs/editor.md is the manual.
 
+A motion of another program that is dropped on the page becomes a move beside this one, with the questions of
+inbetween import; it needs --rig.
+
 Whoever has read the printed address can edit the move while the program runs: it has the key of the move, which
 stays the same. Key and port are kept in $XDG_STATE_HOME/inbetween, or in ~/.local/state/inbetween.
 
