@@ -107,12 +107,12 @@ std::vector<FreeAxis> resting_axes(const RigSession& session, double share) {
 
 SetupEnd be_hosted(RigSession& session, HostPort& port, RigReference& reference, HostAttendant& attendant,
                    const HostSessionOptions& options) {
+  const RigFile& rig = session.rig();
+  const std::unique_ptr<LevelOutputs> outputs = LevelOutputs::open(rig, session.hardware());
   if (!session.arm()) return {.reason = reason_of(session, "the drives were not switched on")};
   refuse_outside(session);
-  const RigFile& rig = session.rig();
   std::vector<AxisLimits> limits;
   for (const RigAxis& axis : rig.axes) limits.push_back(limits_of(slow_enough_everywhere(axis)));
-  const std::unique_ptr<LevelOutputs> outputs = LevelOutputs::open(rig, session.hardware());
   HostedMotion motion(session.loop(), resting_axes(session, options.share), std::move(limits),
                       session.tick_seconds(), outputs.get());
   HostedRig hosted(
@@ -129,9 +129,9 @@ SetupEnd be_hosted(RigSession& session, HostPort& port, RigReference& reference,
   const std::string outputs_trouble = outputs ? outputs->trouble() : "";
   SetupEnd result{.is_done = static_cast<bool>(end.begun)};
   result.reason = end.begun ? reason_of(session, "left; " + line.counts_in_words()) : end.begun.error().what;
-  if (!outputs_trouble.empty()) result.reason += "; " + outputs_trouble;
   const std::string unreached = session.rest();
   if (!unreached.empty()) result = {.is_done = false, .reason = unreached};
+  if (!outputs_trouble.empty()) result.reason += "; " + outputs_trouble;
   result.positions = session.positions();
   return result;
 }
