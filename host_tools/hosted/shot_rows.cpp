@@ -60,7 +60,7 @@ std::vector<std::int32_t> frames_of_rows(const dragonframe::PrepareShot& shot, d
     }
   }
   std::ranges::sort(frames);
-  frames.erase(std::ranges::unique(frames).begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
   return frames;
 }
 
