@@ -22,7 +22,7 @@ void add_scene_options(CLI::App& app, SceneArguments& arguments);
 
 /// A scene, and what of it a rig plays.
 struct SceneMotion {
-  SceneFile scene = {};
+  SceneFile scene;
   std::size_t node = 0;
   ScenePlacement placement = {};
   SceneRows rows = {};

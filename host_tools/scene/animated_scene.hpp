@@ -20,7 +20,7 @@ namespace inbetween {
 struct SceneNode {
   std::string name;
   std::int32_t parent = -1;             ///< an earlier node; -1 is the world
-  Pose rest;                            ///< in its parent; what has no samples stays so
+  Pose rest = {};                       ///< in its parent; what has no samples stays so
   std::vector<Vector3> positions = {};  ///< on each row, or none
   std::vector<Quaternion> turns =
       {};  ///< on each row, or none; of length 1, neighbours the shorter way round
@@ -32,7 +32,8 @@ struct SceneLens {
   std::array<double, 2> sensor_mm = {};  ///< width and height
   double focus_m = 0;
 };
-/// Of a rig without a lens: 50 mm before 36 x 24 mm.
+
+/// What stands in where a rig has none and a lens is needed: 50 mm before 36 x 24 mm.
 inline constexpr SceneLens usual_lens{.focal_length_mm = 50, .sensor_mm = {36, 24}, .focus_m = 0};
 
 struct SceneCamera {
@@ -52,9 +53,9 @@ struct AnimatedScene {
   FrameRate fps;                 ///< rows a second
   std::int64_t first_frame = 0;  ///< the number of the first row
   std::size_t rows = 0;
-  std::vector<SceneNode> nodes;
-  SceneCamera camera;
-  BetweenRows between;
+  std::vector<SceneNode> nodes = {};
+  SceneCamera camera = {};
+  BetweenRows between = {};
 };
 
 /// In its parent.

@@ -6,15 +6,15 @@
 namespace inbetween {
 namespace {
 
-constexpr std::string_view signs = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::string_view base64_signs = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 constexpr std::size_t group_bytes = 3, group_signs = 4;
 
 /// 64 for what is no sign.
 constexpr std::array<std::uint8_t, 256> values_of_signs() {
   std::array<std::uint8_t, 256> values{};
   values.fill(64);
-  for (std::size_t i = 0; i < signs.size(); ++i)
-    values.at(static_cast<unsigned char>(signs[i])) = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 0; i < base64_signs.size(); ++i)
+    values.at(static_cast<unsigned char>(base64_signs[i])) = static_cast<std::uint8_t>(i);
   return values;
 }
 
@@ -31,7 +31,7 @@ std::string base64_of(std::string_view bytes) {
     }
     for (std::size_t i = 0; i < group_signs; ++i) {
       const bool is_there = at + i <= bytes.size();
-      text += is_there ? signs[group >> 18U & 0x3fU] : '=';
+      text += is_there ? base64_signs[group >> 18U & 0x3fU] : '=';
       group <<= 6U;
     }
   }

@@ -18,7 +18,7 @@
 namespace inbetween {
 namespace {
 
-constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t max_offset = std::numeric_limits<std::int32_t>::max();
 
 struct GltfParts {
   std::string_view json, numbers;
@@ -190,7 +190,7 @@ class GltfReader {
     if (view.find("extensions"))
       view.refuse("these numbers are packed (meshopt); write the file without compression");
     const JsonValue component = accessor.required("componentType", "\"componentType\": 5126");
-    const auto component_type = component.whole_number("componentType", 0, most);
+    const auto component_type = component.whole_number("componentType", 0, max_offset);
     const std::size_t size = component_type == 5126                             ? 4
                              : component_type == 5122 || component_type == 5123 ? 2
                                                                                 : 1;
@@ -198,7 +198,7 @@ class GltfReader {
       component.refuse("only floats, bytes and shorts are read here; write floats (5126)");
     const auto offset_of = [](const JsonValue& value, std::string_view key) {
       const auto found = value.find(key);
-      return found ? static_cast<std::size_t>(found->whole_number(key, 0, most)) : 0;
+      return found ? static_cast<std::size_t>(found->whole_number(key, 0, max_offset)) : 0;
     };
     const std::size_t stride = std::max(offset_of(view, "byteStride"), width * size);
     const std::string_view bytes =
@@ -224,7 +224,7 @@ class GltfReader {
     std::memcpy(&bits, at, type == 5126 ? 4 : 2);
     if (type == 5122) return std::max(-1.0, static_cast<std::int16_t>(bits) / of_short);
     if (type == 5123) return bits / of_unsigned_short;
-    const double number = std::bit_cast<float>(bits);
+    const auto number = static_cast<double>(std::bit_cast<float>(bits));
     if (!(std::fabs(number) <= max_scene_number))
       accessor.refuse(
           fmt::format("one of these numbers is {}; write finite ones up to {:g}", number, max_scene_number));
@@ -291,17 +291,18 @@ class GltfReader {
   /// Parents before children.
   void order_nodes() {
     std::vector<std::int32_t> place(nodes_.size(), -1);
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (std::int32_t i = 0; i < std::ssize(nodes_); ++i) {
       std::vector<std::size_t> chain;
-      for (auto at = static_cast<std::int32_t>(i); at >= 0 && place[static_cast<std::size_t>(at)] < 0;
+      for (std::int32_t at = i; at >= 0 && place[static_cast<std::size_t>(at)] < 0;
            at = parents_[static_cast<std::size_t>(at)]) {
         chain.push_back(static_cast<std::size_t>(at));
-        if (chain.size() > max_scene_depth) refuse_depth(nodes_[i]);
+        if (chain.size() > max_scene_depth) refuse_depth(nodes_[static_cast<std::size_t>(i)]);
       }
-      for (auto node = chain.rbegin(); node != chain.rend(); ++node) {
-        place[*node] = static_cast<std::int32_t>(scene_.nodes.size());
-        const std::int32_t parent = parents_[*node];
-        add_node(*node, parent < 0 ? -1 : place[static_cast<std::size_t>(parent)]);
+      std::ranges::reverse(chain);
+      for (const std::size_t node : chain) {
+        place[node] = static_cast<std::int32_t>(scene_.nodes.size());
+        const std::int32_t parent = parents_[node];
+        add_node(node, parent < 0 ? -1 : place[static_cast<std::size_t>(parent)]);
       }
     }
   }

@@ -26,11 +26,14 @@ using Json = nlohmann::ordered_json;
 constexpr Rotation3 scene_in_gltf{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 constexpr int float_type = 5126;
 
+double rounded(double number) {
+  return static_cast<double>(static_cast<float>(number));
+}
 Vector3 rounded(const Vector3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  return {rounded(v.x), rounded(v.y), rounded(v.z)};
 }
 Quaternion rounded(const Quaternion& q) {
-  return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z), static_cast<float>(q.w)};
+  return {rounded(q.x), rounded(q.y), rounded(q.z), rounded(q.w)};
 }
 
 /// As a reader has it.
@@ -51,7 +54,7 @@ Pose inverse_of(const Pose& pose) {
 
 void raise_by(const Pose& read, const Pose& exact, double& m, double& rad) {
   m = std::max(m, length(read.position - exact.position));
-  rad = std::max(rad, angle_between(read.rotation, exact.rotation));
+  rad = std::max(rad, rotation_angle(read.rotation, exact.rotation));
 }
 
 /// Moves the node of the camera so that rounding its parents does not move it, and tells what remains.
@@ -145,7 +148,7 @@ Json nodes_json(const AnimatedScene& scene) {
   std::vector<std::vector<std::size_t>> children(scene.nodes.size() + 1);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     nodes.push_back(node_json(scene.nodes[i]));
-    children[static_cast<std::size_t>(scene.nodes[i].parent + 1)].push_back(i + 1);
+    children[static_cast<std::size_t>(scene.nodes[i].parent) + 1].push_back(i + 1);
   }
   for (std::size_t i = 0; i < children.size(); ++i) {
     if (!children[i].empty()) nodes[i]["children"] = children[i];

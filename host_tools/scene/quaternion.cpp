@@ -60,7 +60,7 @@ Quaternion slerp(const Quaternion& first, const Quaternion& last, double share) 
       {a * from.x + b * end.x, a * from.y + b * end.y, a * from.z + b * end.z, a * from.w + b * end.w});
 }
 
-double angle_between(const Rotation3& a, const Rotation3& b) {
+double rotation_angle(const Rotation3& a, const Rotation3& b) {
   const auto [x, y, z] = inverse(a) * b;
   const double sine = std::hypot(y.z - z.y, z.x - x.z, x.y - y.x) / 2;
   const double cosine = (x.x + y.y + z.z - 1) / 2;

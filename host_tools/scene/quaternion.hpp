@@ -35,6 +35,6 @@ Quaternion nearer_sign(const Quaternion& q, const Quaternion& before);
 Quaternion slerp(const Quaternion& first, const Quaternion& last, double share);
 
 /// By which angle one must be turned to be the other (rad, 0 to pi); good to rounding near 0 too.
-double angle_between(const Rotation3& a, const Rotation3& b);
+double rotation_angle(const Rotation3& a, const Rotation3& b);
 
 }  // namespace inbetween

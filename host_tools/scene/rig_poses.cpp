@@ -43,7 +43,7 @@ std::vector<std::size_t> axes_that_move(const RigFile& rig, const Kinematics& ki
 
 PoseMiss miss_of(const Pose& found, const Pose& wanted) {
   const Vector3 apart = found.position - wanted.position;
-  return {std::hypot(apart.x, apart.y, apart.z), angle_between(found.rotation, wanted.rotation)};
+  return {std::hypot(apart.x, apart.y, apart.z), rotation_angle(found.rotation, wanted.rotation)};
 }
 
 BakedTable axes_of_poses(const RigFile& rig, const Kinematics& kinematics, const Tip& tip,

@@ -43,7 +43,7 @@ struct SceneRows {
   double first = 0;
   double step = 1;
   std::int64_t first_frame = 0;  ///< the number of the first row
-  std::vector<Pose> poses;
+  std::vector<Pose> poses = {};
   [[nodiscard]] double code(double row) const { return first + row * step; }
 };
 

@@ -50,7 +50,7 @@ OraclePose pose_of(const Quad& q, const std::array<double, 3>& position) {
   return pose;
 }
 
-Quad between(const Quad& a, Quad b, double share) {
+Quad turn_between(const Quad& a, Quad b, double share) {
   double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
   if (cosine < 0) {
     cosine = -cosine;
@@ -79,7 +79,7 @@ std::vector<double> value_at(const std::map<double, std::vector<double>>& sample
                              bool is_turn) {
   const auto [a, b, share] = interpolated(samples, time);
   if (is_turn) {
-    const Quad turn = between({a[0], a[1], a[2], a[3]}, {b[0], b[1], b[2], b[3]}, share);
+    const Quad turn = turn_between({a[0], a[1], a[2], a[3]}, {b[0], b[1], b[2], b[3]}, share);
     return {turn[0], turn[1], turn[2], turn[3]};
   }
   std::vector<double> out;

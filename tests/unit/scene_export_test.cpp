@@ -234,6 +234,17 @@ TEST(SceneExport, AJointThatTurnsHalfATurnBetweenTwoRowsIsRefused) {
   EXPECT_EQ(scene_of_rig(*orrery.plan.rig(), kinematics, moon, rows_of_plan(orrery.plan)).scene.rows, 481U);
 }
 
+TEST(SceneExport, NeighbouringQuaternionsAreTheShorterWayApart) {
+  // Thirteen turns of the moon pass every sign of a quaternion.
+  const Example orrery{"examples/orrery/one_year.toml", "examples/orrery/rig.toml"};
+  const Tip& moon = camera_tip(*orrery.plan.rig(), *orrery.plan.kinematics(), "moon");
+  const AnimatedScene scene =
+      scene_of_rig(*orrery.plan.rig(), *orrery.plan.kinematics(), moon, rows_of_plan(orrery.plan)).scene;
+  for (const SceneNode& node : scene.nodes)
+    for (std::size_t row = 1; row < node.turns.size(); ++row)
+      EXPECT_GT(dot(node.turns[row - 1], node.turns[row]), 0);
+}
+
 TEST(SceneExport, AFileIsASceneByItsEndingOrByTheWord) {
   EXPECT_EQ(scene_format_of(std::nullopt, "a.GLB"), SceneFormat::glb);
   EXPECT_EQ(scene_format_of(std::nullopt, "a.csv"), std::nullopt);

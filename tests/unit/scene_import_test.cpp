@@ -233,6 +233,10 @@ TEST(GltfReader, CurvesAreLinesStepsAndCubics) {
       read_gltf(sliding("CUBICSPLINE", {0, 0, 0, 0, 0, 0, 0, 0, 0, 12, 0, 0, 8, 0, 0, 0, 0, 0}), "a.gltf");
   EXPECT_NEAR(x_at(cubic, 0.5), 0.125, 1e-12);
   EXPECT_NEAR(x_at(cubic, 1.5), 3.375, 1e-12);
+  // And 8 - (2 - t)^3 has 12 and 0.
+  const SceneFile slowing =
+      read_gltf(sliding("CUBICSPLINE", {0, 0, 0, 0, 0, 0, 12, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0}), "a.gltf");
+  EXPECT_NEAR(x_at(slowing, 0.5), 4.625, 1e-12);
 }
 
 TEST(GltfReader, WhatCarriesANodeMovesIt) {
@@ -380,6 +384,16 @@ TEST(ScenePoses, WhatCannotBeAMotionIsRefused) {
   const SceneFile scene = usd(camera_in_y_up);
   EXPECT_THAT(refusal([&] { chosen_node(scene, "shto"); }), HasSubstr("did you mean \"shot\"?"));
   EXPECT_EQ(chosen_node(scene, "/shot"), 0U);
+}
+
+TEST(ScenePoses, ARateThatWasRoundedIsARowATimeCode) {
+  const SceneFile scene = usd(with(camera_in_y_up, "timeCodesPerSecond = 24", "timeCodesPerSecond = 23.976"));
+  const SceneRows exact = rows_of_node(scene, 0, {}, FrameRate{24000, 1001});
+  EXPECT_EQ(exact.step, 1);
+  EXPECT_EQ(exact.poses.size(), 25U);
+  const SceneRows twice = rows_of_node(scene, 0, {}, FrameRate{48, 1});
+  EXPECT_NEAR(twice.step, 23.976 / 48, 1e-15);
+  EXPECT_EQ(twice.first_frame, 0);
 }
 
 TEST(RigPoses, APlaceThatTheRigCannotReachIsRefusedWithItsFrame) {

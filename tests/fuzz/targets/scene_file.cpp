@@ -37,7 +37,7 @@ void require_poses(const SceneFile& scene) {
   const SceneRows rows = rows_of_node(scene, chosen_node(scene, std::nullopt), {}, FrameRate{1, 1});
   fuzz_require(rows.poses.size() >= 2, "a motion has rows");
   for (const Pose& pose : rows.poses) {
-    const double off = angle_between(pose.rotation, pose.rotation);
+    const double off = rotation_angle(pose.rotation, pose.rotation);
     fuzz_require(std::fabs(dot(pose.rotation.x, pose.rotation.x) - 1) < 1e-9 && off < 1e-6,
                  "a rotation is one");
     fuzz_require(
