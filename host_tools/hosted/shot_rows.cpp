@@ -50,9 +50,9 @@ std::vector<std::int32_t> frames_of_rows(const dragonframe::PrepareShot& shot, d
     double begins_s = 0;
     for (const ShotPiece& piece : motor.pieces) {
       const double row_s = piece.from == piece.to ? longest_even_row_s : longest_row_s;
-      const double rows =
-          std::max(std::ceil(piece.seconds / std::max(row_s, seconds / most_rows) - 1e-9), 1.0);
-      for (double row = 1; row <= rows; ++row) {
+      const double wanted = std::ceil(piece.seconds / std::max(row_s, seconds / most_rows) - 1e-9);
+      const int rows = std::max(static_cast<int>(wanted), 1);
+      for (int row = 1; row <= rows; ++row) {
         const double at_s = begins_s + piece.seconds * row / rows;
         frames.push_back(std::min(static_cast<std::int32_t>(std::lround(at_s * rate)), frames[1]));
       }
