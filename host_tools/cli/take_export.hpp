@@ -15,7 +15,7 @@ namespace inbetween {
 void export_take_csv(TakeStore& store, std::int64_t number, const std::string& file);
 
 /// The same as text, for readers of records.
-std::string record_of_take(TakeStore& store, std::int64_t take);
+std::string record_of_take(TakeStore& store, std::int64_t number);
 
 /// Writes the trajectory that it played, with proven stops, as `plan --trajectory` does: solved again from
 /// the texts that were kept. Throws those, and InputError.

@@ -77,15 +77,15 @@ void HostedRig::note_frames(const MotionState& now) {
   const double time = now.time.frame + now.time.fraction;
   if (now.repeats != told_repeats_ && time < told_time_) told_time_ = -1;  // round again
   told_repeats_ = now.repeats;
-  const auto tell_frame = [&](double of_line) {
-    const auto k = static_cast<std::int32_t>(of_line) - frames.before;
+  const auto tell_frame = [&](std::int32_t of_line) {
+    const std::int32_t k = of_line - frames.before;
     if (frames.are_told && k >= 0 && k <= frames.count)
       tell(FrameReached{frames.first + frames.direction * k});
   };
   if (time > told_time_) {
-    for (double k = std::floor(told_time_) + 1; k <= time; ++k) tell_frame(k);
+    for (auto k = static_cast<std::int32_t>(std::floor(told_time_)) + 1; k <= time; ++k) tell_frame(k);
   } else {
-    for (double k = std::ceil(told_time_) - 1; k >= time; --k) tell_frame(k);
+    for (auto k = static_cast<std::int32_t>(std::ceil(told_time_)) - 1; k >= time; --k) tell_frame(k);
   }
   told_time_ = time;
   const bool is_behind = phase_ == Phase::running && time >= frames.before + frames.count;

@@ -56,6 +56,15 @@ TEST_F(SceneCommand, WhatGoesOutComesBackAsTheSameMove) {
   }
 }
 
+TEST_F(SceneCommand, ACameraBecomesKeysAndSaysHowFarTheTipIsFromIt) {
+  ASSERT_EQ(export_crane("a.glb", {"--frames", "0..48"}).status, 0);
+  const ProgramRun fitted = import_to_crane("a.glb", {"--fit", "0.1"});
+  ASSERT_EQ(fitted.status, 0) << fitted.err;
+  EXPECT_THAT(fitted.out, AllOf(HasSubstr("17 of 294 numbers"),
+                                HasSubstr("on the rows within 0.2 mm and 0.002 degrees")));
+  EXPECT_THAT(file_contents(in_folder("back.toml")), HasSubstr("speed "));
+}
+
 TEST_F(SceneCommand, ATakeIsASceneOfWhereTheCameraWas) {
   const ProgramRun played = run_program({"run", in_checkout("examples/crane/over_the_table.toml"), "--rig",
                                          crane_, "--sim", "--fast", "--takes-in", in_folder("takes.db")});
