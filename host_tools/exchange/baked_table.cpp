@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
+
+#include "host_tools/text/spelling.hpp"
 
 namespace inbetween {
 namespace {
@@ -64,6 +67,17 @@ void check_even(const BakedTable& table) {
 
 Place BakedTable::place_of(std::size_t row) const {
   return {file, row < lines.size() ? lines[row] : 0, 0};
+}
+
+const BakedColumn& named_column(const BakedTable& table, const std::string& name,
+                                const std::string& missing) {
+  const auto found = std::ranges::find(table.columns, name, &BakedColumn::name);
+  if (found != table.columns.end()) return *found;
+  std::vector<std::string_view> names;
+  for (const BakedColumn& column : table.columns) names.push_back(column.name);
+  const auto meant = probably_meant(name, names);
+  throw InputError({table.file}, meant ? fmt::format("{}; did you mean {}?", missing, in_quotes(*meant))
+                                       : fmt::format("{}; name one of {}", missing, comma_separated(names)));
 }
 
 std::string to_string(const FrameRate& fps) {

@@ -87,6 +87,9 @@ void check_table(const BakedTable& table);
 /// Refuses the first row whose seconds are not those of a rate, with its line.
 void check_seconds(const BakedTable& table, const FrameRate& fps);
 
+/// Throws InputError where there is none: `missing`, and the name that was probably meant, or all names.
+const BakedColumn& named_column(const BakedTable& table, const std::string& name, const std::string& missing);
+
 /// "24", "24000/1001".
 std::string to_string(const FrameRate& fps);
 

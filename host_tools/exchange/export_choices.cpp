@@ -10,7 +10,6 @@
 #include "host_tools/exchange/flair_carts.hpp"
 #include "host_tools/exchange/kuper_ascii.hpp"
 #include "host_tools/exchange/table_text.hpp"
-#include "host_tools/text/spelling.hpp"
 
 namespace inbetween {
 namespace {
@@ -28,15 +27,7 @@ std::optional<double> ratio_of_units(MoveUnit from, MoveUnit to) {
 }
 
 const BakedColumn& axis_column(const BakedTable& table, const std::string& name) {
-  const auto found = std::ranges::find(table.columns, name, &BakedColumn::name);
-  if (found != table.columns.end()) return *found;
-  std::vector<std::string_view> names;
-  for (const BakedColumn& column : table.columns) names.push_back(column.name);
-  const auto meant = probably_meant(name, names);
-  throw InputError(
-      {table.file},
-      meant ? fmt::format("no axis {} moves; did you mean {}?", in_quotes(name), in_quotes(*meant))
-            : fmt::format("no axis {} moves; name one of {}", in_quotes(name), comma_separated(names)));
+  return named_column(table, name, fmt::format("no axis {} moves", in_quotes(name)));
 }
 
 std::vector<BakedColumn> chosen_columns(const BakedTable& table, const std::vector<AxisWord>& axes) {

@@ -8,21 +8,12 @@
 #include <utility>
 
 #include "host_tools/text/ini_sections.hpp"
-#include "host_tools/text/spelling.hpp"
 
 namespace inbetween {
 namespace {
 
 const BakedColumn& answered_column(const BakedTable& table, const std::string& name) {
-  const auto found = std::ranges::find(table.columns, name, &BakedColumn::name);
-  if (found != table.columns.end()) return *found;
-  std::vector<std::string_view> names;
-  for (const BakedColumn& column : table.columns) names.push_back(column.name);
-  const auto meant = probably_meant(name, names);
-  throw InputError(
-      {table.file},
-      meant ? fmt::format("there is no column {}; did you mean {}?", in_quotes(name), in_quotes(*meant))
-            : fmt::format("there is no column {}; name one of {}", in_quotes(name), comma_separated(names)));
+  return named_column(table, name, fmt::format("there is no column {}", in_quotes(name)));
 }
 
 void answer_rate(const std::optional<FrameRate>& said, BakedTable& table) {

@@ -30,6 +30,9 @@ constexpr std::size_t max_paired_numbers = 50'000;
 constexpr std::array<double, 3> tolerance_shares{1, 0.5, 0.25};
 /// Numbers are written to this share of the tolerance.
 constexpr double written_share = 1e-3;
+/// A curve of fewer decimals may miss this share of the tolerance:
+/// RowFit.ADrawnMoveHasItsKeysAndItsSpeedCurveAgain.
+constexpr double brief_share = 0.1;
 /// Where axes stay for so long, in seconds, they hold, and get two keys: RowFit.AHoldHasAKeyOnEitherSide.
 constexpr double min_hold_s = 0.25;
 /// And no shorter than this: rounding makes a turning point as flat.
@@ -73,6 +76,7 @@ class RowGroups {
   [[nodiscard]] MoveFile move_of(std::vector<MoveTrack> tracks) const;
   [[nodiscard]] std::vector<double> misses_of(const MoveTrack& track, const AxisSet& axes) const;
   [[nodiscard]] bool is_met(const std::vector<double>& misses, const AxisSet& axes) const;
+  void write_curve_briefly(MoveTrack& track, std::vector<double>& misses, const AxisSet& axes) const;
   [[nodiscard]] std::vector<double> weights_of(const AxisSet& axes, double beside_the_farthest) const;
   [[nodiscard]] std::optional<FittedGroup> drawn_with(const AxisSet& axes, const std::vector<double>& weights,
                                                       std::size_t max_numbers) const;
@@ -136,6 +140,29 @@ bool RowGroups::is_met(const std::vector<double>& misses, const AxisSet& axes) c
   return true;
 }
 
+/// With the fewest decimals that hardly take it further from the rows: 8 and not 8.00003, which is what
+/// somebody has drawn.
+void RowGroups::write_curve_briefly(MoveTrack& track, std::vector<double>& misses,
+                                    const AxisSet& axes) const {
+  const std::vector<double> exact = track.speed;
+  for (const double digits : {1.0, 10.0, 100.0, 1'000.0}) {
+    for (std::size_t i = 0; i < exact.size(); ++i) track.speed[i] = std::round(exact[i] * digits) / digits;
+    try {
+      std::vector<double> brief = misses_of(track, axes);
+      bool is_as_near = true;
+      for (std::size_t a = 0; a < axes.size(); ++a)
+        is_as_near =
+            is_as_near && brief[a] <= std::max(misses[a], brief_share * rows_.table.tolerances[axes[a]]);
+      if (!is_as_near) continue;
+      misses = std::move(brief);
+      return;
+    } catch (const InputError&) {
+      // Rounded, the curve is 0 where it may not be.
+    }
+  }
+  track.speed = exact;
+}
+
 std::vector<double> RowGroups::weights_of(const AxisSet& axes, double beside_the_farthest) const {
   std::vector<double> weights;
   std::size_t farthest = 0;
@@ -183,6 +210,7 @@ std::optional<FittedGroup> RowGroups::drawn_with(const AxisSet& axes, const std:
       }
       std::vector<double> misses = misses_of(track, axes);
       if (!is_met(misses, axes)) continue;
+      write_curve_briefly(track, misses, axes);
       const std::size_t numbers = fit.keys.size() * axes.size() + fit.speed.size();
       return FittedGroup{std::move(track), std::move(misses), numbers};
     } catch (const std::invalid_argument&) {

@@ -58,25 +58,6 @@ Example crane() {
   return {"examples/crane/over_the_table.toml", "examples/crane/rig.toml"};
 }
 
-/// How the camera stands on a tip that looks along x with z up.
-OraclePose camera_of(const OraclePose& tip) {
-  OraclePose camera = tip;
-  for (std::size_t i = 0; i < 3; ++i) {
-    camera.columns[0][i] = -tip.columns[1][i];
-    camera.columns[1][i] = tip.columns[2][i];
-    camera.columns[2][i] = -tip.columns[0][i];
-  }
-  return camera;
-}
-
-/// The same place where y is up.
-OraclePose in_y_up(const OraclePose& pose) {
-  const auto turned = [](const std::array<double, 3>& v) { return std::array<double, 3>{v[0], v[2], -v[1]}; };
-  OraclePose out{.position = turned(pose.position)};
-  for (std::size_t i = 0; i < 3; ++i) out.columns[i] = turned(pose.columns[i]);
-  return out;
-}
-
 struct Miss {
   double m = 0, rad = 0;
   void raise(const OraclePose& a, const OraclePose& b) {
