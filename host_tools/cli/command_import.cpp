@@ -222,7 +222,9 @@ void write_fitted_move(const ImportArguments& arguments, const RigFile& rig, con
              rows.axes.size() * (rows.frames() + 1));
 }
 
-int import_motion(const ImportArguments& arguments, BakedTable table, const ExchangeWords& words) {
+/// Spikes of scenes are named before the rig moves; they have no rounding that --smooth would be asked for.
+int import_motion(const ImportArguments& arguments, BakedTable table, const ExchangeWords& words,
+                  bool is_scene = false) {
   if (!arguments.rig) throw UsageError("--rig is required: whose axes the columns are");
   const RigFile rig = read_rig(*arguments.rig);
   ImportSaid said{.fps = words.fps,
@@ -237,6 +239,7 @@ int import_motion(const ImportArguments& arguments, BakedTable table, const Exch
   table = imported_table(std::move(table), rig, said);
   std::vector<double> tolerances;
   if (!arguments.tolerances.empty()) tolerances = numbers_of_axes(arguments.tolerances, table, "--fit");
+  if (is_scene && arguments.resolutions.empty()) warn_of_spikes(table, rig);
   if (!arguments.resolutions.empty()) {
     smooth_table(table, rig, numbers_of_axes(arguments.resolutions, table, "--smooth"),
                  arguments.leaves_spikes_out);
@@ -272,7 +275,7 @@ int import_scene_motion(const ImportArguments& arguments, SceneFormat format) {
   const ExchangeWords words = exchange_words_of(exchange);
   SceneMotion motion =
       read_scene_motion(arguments.file, format, arguments.scene, words, read_rig(*arguments.rig));
-  const int status = import_motion(arguments, std::move(motion.table), words);
+  const int status = import_motion(arguments, std::move(motion.table), words, true);
   if (motion.tip) print_scene_miss(motion, arguments.to, *arguments.rig);
   return status;
 }

@@ -101,6 +101,20 @@ void smooth_table(BakedTable& table, const RigFile& rig, const std::vector<doubl
   for (const std::string& line : lines) fmt::print("{}", line);
 }
 
+void warn_of_spikes(BakedTable& table, const RigFile& rig) {
+  constexpr double share_of_range = 1e-3;
+  for (const BakedColumn& column : table.columns) {
+    const auto [low, high] = std::ranges::minmax(column.values);
+    if (high == low) continue;
+    const RigAxis& axis = axis_of_rig(rig, column.name);
+    for (const RowSpike& spike : smooth_rows(column.values, share_of_range * (high - low)).spikes) {
+      table.warnings.push_back({table.place_of(spike.first),
+                                spike_in_words(table, axis.name, to_string(axis.unit), spike) +
+                                    "; correct it, or take it out with --smooth and --without-spikes"});
+    }
+  }
+}
+
 RowFit fit_rows_move(const RowsMove& rows, const RigFile& rig, const std::vector<double>& tolerances) {
   ProgressBar bar;
   RowFit fit = fit_rows({.axes = rows.axes,

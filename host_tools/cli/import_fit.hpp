@@ -24,6 +24,9 @@ std::vector<double> numbers_of_axes(const std::vector<std::string>& said, const 
 void smooth_table(BakedTable& table, const RigFile& rig, const std::vector<double>& resolutions,
                   bool leaves_spikes_out);
 
+/// Adds a warning for each spike: rows are looked at as if they were rounded to a thousandth of their range.
+void warn_of_spikes(BakedTable& table, const RigFile& rig);
+
 /// The move of few keys, named as the rows. Prints what it misses of every axis.
 RowFit fit_rows_move(const RowsMove& rows, const RigFile& rig, const std::vector<double>& tolerances);
 

@@ -1,9 +1,11 @@
 // inbetween export and import of scenes as their users meet them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,23 @@ TEST_F(SceneCommand, ACameraBecomesKeysAndSaysHowFarTheTipIsFromIt) {
   EXPECT_THAT(fitted.out, AllOf(HasSubstr("17 of 294 numbers"),
                                 HasSubstr("on the rows within 0.2 mm and 0.002 degrees")));
   EXPECT_THAT(file_contents(in_folder("back.toml")), HasSubstr("speed "));
+}
+
+TEST_F(SceneCommand, ASpikeIsNamedBeforeTheRigMoves) {
+  ASSERT_EQ(export_crane("a.usda", {"--frames", "0..48"}).status, 0);
+  std::string text = file_contents(in_folder("a.usda"));
+  const std::string row = "24: (";  // of the track, which is first in the file
+  const std::size_t at = text.find(row) + row.size();
+  const std::size_t end = text.find(',', at);
+  text.replace(at, end - at, fmt::format("{}", std::stod(text.substr(at, end - at)) + 0.3));
+  std::ofstream(in_folder("a.usda")) << text;
+  const ProgramRun spike = import_to_crane("a.usda");
+  EXPECT_EQ(spike.status, 0) << spike.err;
+  EXPECT_THAT(spike.err,
+              AllOf(HasSubstr("off the motion around it on frame 24"), HasSubstr("--without-spikes")));
+  const ProgramRun smooth = import_to_crane("a.usda", {"--smooth", "0.01", "--without-spikes", "--over"});
+  EXPECT_EQ(smooth.status, 0) << smooth.err;
+  EXPECT_THAT(smooth.err, HasSubstr("it follows that motion instead"));
 }
 
 TEST_F(SceneCommand, ATakeIsASceneOfWhereTheCameraWas) {
