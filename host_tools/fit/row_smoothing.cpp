@@ -39,6 +39,11 @@ constexpr double unusual = 4;
 constexpr double least_jolt = 0.1;
 /// More equal rows than these are a rest.
 constexpr std::size_t max_repeated = 6;
+/// Rows that are equal for so long are a hold, and no turning point: RowSmoothing.AHoldStaysWhereItIs.
+constexpr std::size_t min_hold_rows = 6;
+/// And so many times as long as the runs of equal rows beside them. Beside a turning point they are 2.7 times
+/// as long, in an even motion once.
+constexpr std::size_t times_longer = 4;
 /// Each round finds the spikes that stronger ones hid.
 constexpr int max_spike_rounds = 4;
 
@@ -183,6 +188,28 @@ struct KnownOfRows {
   std::vector<RowSpike> spikes = {};
 };
 
+/// Rows that stand still for long between rows that do not are kept, but for those at either end of them, in
+/// which the axis may still come to rest: a hold does not drift within its rounding. A slow motion has a long
+/// run of equal rows beside another.
+void keep_holds(RowProgram& program) {
+  struct Run {
+    std::size_t first = 0, count = 0;
+  };
+  std::vector<Run> runs;
+  for (std::size_t row = 0; row < program.rows.size(); ++row) {
+    if (runs.empty() || program.rows[row] != program.rows[runs.back().first]) runs.push_back({row, 0});
+    ++runs.back().count;
+  }
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const std::size_t before = i > 0 ? runs[i - 1].count : 0;
+    const std::size_t behind = i + 1 < runs.size() ? runs[i + 1].count : 0;
+    if (runs[i].count < min_hold_rows || runs[i].count < times_longer * std::max(before, behind)) continue;
+    const std::size_t first = runs[i].first + 2 * before;
+    const std::size_t end = runs[i].first + runs[i].count - std::min(runs[i].count, 2 * behind);
+    for (std::size_t row = first; row < end; ++row) program.roles[row] = RowRole::kept;
+  }
+}
+
 RowProgram whole_program(std::span<const double> rows, double resolution, const KnownOfRows& known,
                          const RowRange& range = {}) {
   RowProgram program{.rows = rows,
@@ -193,6 +220,7 @@ RowProgram whole_program(std::span<const double> rows, double resolution, const 
                      .range = range};
   if (known.rests_at_start) program.roles[0] = program.roles[1] = RowRole::kept;
   if (known.rests_at_end) program.roles[rows.size() - 1] = program.roles[rows.size() - 2] = RowRole::kept;
+  keep_holds(program);
   for (const RowSpike& spike : known.spikes) {
     for (std::size_t row = spike.first; row < spike.first + spike.count; ++row)
       program.roles[row] = RowRole::freed;

@@ -26,8 +26,8 @@ struct SmoothRows {
   std::vector<RowSpike> spikes;  ///< in the order of the rows; their rows are as the motion around them wants
 };
 
-/// Two equal rows at an end of the move are a rest: there they stay as they are. No row that was within
-/// `range` leaves it.
+/// Two equal rows at an end of the move are a rest: there they stay as they are, and so do the inner rows of
+/// a hold. No row that was within `range` leaves it.
 ///
 /// Method: the least sum of squared third differences, as a convex program (BandProgram). A row is part of a
 /// spike where that sum, among the rows around it, falls to less than a quarter without the row, and does not

@@ -63,6 +63,24 @@ TEST(RowSmoothing, AStaircaseOfWholeDegreesIsTheEaseThatItWasRoundedFrom) {
   EXPECT_EQ(smooth.rows.back(), 50);
 }
 
+TEST(RowSmoothing, AHoldStaysWhereItIs) {
+  std::vector<double> clean = ease(40, 23.3);
+  clean.insert(clean.end(), 40, 23.3);
+  const std::vector<double> back = ease(30, 23.3);
+  clean.insert(clean.end(), back.rbegin(), back.rend());
+  const std::vector<double> rows = rounded(clean, 0.5);
+  const SmoothRows smooth = smooth_rows(rows, 0.5);
+  for (std::size_t row = 46; row < 76; ++row) EXPECT_EQ(smooth.rows[row], 23.5) << row;
+  EXPECT_LT(largest_second_difference(smooth.rows), 1.3 * largest_second_difference(clean));
+  EXPECT_THAT(smooth.spikes, IsEmpty());
+}
+
+TEST(RowSmoothing, ASlowMotionIsNoHold) {
+  std::vector<double> rows;
+  for (int row = 0; row < 300; ++row) rows.push_back(std::round(0.04 * row));
+  EXPECT_LT(largest_second_difference(smooth_rows(rows, 1).rows), 0.02);
+}
+
 TEST(RowSmoothing, RowsAtAnEndOfTheRangeStayInIt) {
   std::vector<double> rows;
   for (int row = 0; row < 60; ++row)
