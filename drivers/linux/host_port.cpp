@@ -82,7 +82,8 @@ std::optional<Refusal> HostPort::open_serial() {
     return not_opened(path_, is_missing ? "plug the cable in and look at the names in /dev/serial/by-id"
                                         : "look who may use it with: ls -l " + path_ + " (group dialout)");
   }
-  // No other program of this machine reads what the host says.
+  // Locked, the port cannot be opened by another program of this machine, which would read what the host
+  // says.
   static_cast<void>(::ioctl(file_, TIOCEXCL));
   if (make_raw(file_, baud_)) return std::nullopt;
   const std::string reason = std::strerror(errno);

@@ -36,15 +36,15 @@ class HostPort {
   [[nodiscard]] std::optional<Refusal> open(const std::string& path, std::int32_t baud);
   void close();
 
-  /// What has changed, one thing a call. A serial port that is gone is opened again as soon as it is back, a
-  /// try a second at most.
+  /// Each call tells one thing that has changed. A serial port that is gone is opened again as soon as it is
+  /// back, a try a second at most.
   PortChange look(std::int64_t now_ns);
   [[nodiscard]] bool has_host() const { return has_host_; }
   /// How many bytes were read or written, 0 where it is not possible now.
   std::size_t read(std::span<std::uint8_t> into);
   std::size_t write(std::span<const std::uint8_t> bytes);
 
-  /// As it was named; of TCP with the port that it got.
+  /// This is the name that was given; of TCP it has the port that it got.
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:

@@ -190,7 +190,7 @@ class AxisRefusals {
                                             : "give the move more frames there",
            true);
   }
-  /// Where the axis is named, or the row of a table on that frame or before it.
+  /// This is where the axis is named, or the row of a table on that frame or before it.
   [[nodiscard]] Place place_at(double frame) const {
     if (!track_.table) return place_;
     const std::vector<std::int32_t>& frames = track_.table->frames;

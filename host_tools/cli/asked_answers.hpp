@@ -11,7 +11,7 @@ namespace inbetween {
 
 /// A line that somebody types; nothing once they have left. Empty: nobody is there.
 using LineReader = std::function<std::optional<std::string>()>;
-/// From standard input if that is a terminal.
+/// They come from standard input if that is a terminal.
 LineReader lines_of_terminal();
 
 /// Asks one line each until no question is open; Enter alone agrees to what is suggested. Where `read` has

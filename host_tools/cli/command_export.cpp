@@ -59,7 +59,7 @@ BakedTable exported_take(const ExportArguments& arguments) {
                         exchange.is_measured ? RecordedPositions::actual : RecordedPositions::told);
 }
 
-/// To write degrees as whole numbers would lose all but the degrees.
+/// Degrees as whole numbers would lose all that is behind the point.
 void refuse_positions_of_servos(const BakedTable& table) {
   std::string open;
   for (const BakedColumn& column : table.columns) {

@@ -53,7 +53,7 @@ std::string stem_of(const std::string& path) {
 
 // --- a rig
 
-/// Nothing else is asked of a rig: how fast it may go is left open in the file.
+/// A rig is asked for nothing else: the file leaves open how fast it may go.
 std::int32_t asked_rate_hz(const ImportArguments& arguments) {
   std::int32_t rate_hz = arguments.rate_hz.value_or(0);
   if (arguments.rate_hz) return rate_hz;
@@ -69,7 +69,7 @@ std::int32_t asked_rate_hz(const ImportArguments& arguments) {
   return rate_hz;
 }
 
-/// From the folder of the rig, so that both may be moved together.
+/// The path begins at the folder of the rig, so that both may be moved together.
 std::string path_from_rig(const std::string& urdf, const std::string& rig) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::absolute(rig).parent_path().lexically_normal();

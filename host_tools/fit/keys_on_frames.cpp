@@ -13,7 +13,7 @@ namespace inbetween {
 namespace {
 
 /// An ease with an even acceleration has 1/3, one at an even velocity 1; smoother ones have less than 1/3.
-constexpr double most_of_an_ease = 0.5;
+constexpr double max_ease_share = 0.5;
 /// Weights grow so often before a largest miss is called the least:
 /// KeysOnFrames.OnlyTheKeysOfACurveAreNeeded.
 constexpr int max_reweighings = 8;
@@ -28,7 +28,7 @@ constexpr std::size_t max_searched_keys = 64;
 /// that are there finds as few.
 constexpr std::size_t max_started_keys = 10;
 /// Where rows bend by less than this share of the most, that is their rounding.
-constexpr double least_bend = 1e-4;
+constexpr double min_bend_share = 1e-4;
 /// B-splines of degree 3: so many are above 0 between two knots.
 constexpr std::size_t spline_order = 4;
 /// Where a key goes, its neighbours' curves change: so many coefficients on either side.
@@ -388,7 +388,7 @@ std::vector<std::int32_t> bending_frames(const RowsOnFrames& rows, std::int32_t 
   std::vector<std::size_t> peaks;
   const double largest = std::ranges::max(bends);
   for (std::size_t i = 1; i + 1 < bends.size(); ++i) {
-    if (bends[i] > least_bend * largest && bends[i] > bends[i - 1] && bends[i] >= bends[i + 1])
+    if (bends[i] > min_bend_share * largest && bends[i] > bends[i - 1] && bends[i] >= bends[i + 1])
       peaks.push_back(i);
   }
   std::ranges::stable_sort(peaks, std::ranges::greater{}, [&](std::size_t i) { return bends[i]; });
@@ -470,7 +470,7 @@ bool rows_rest_at_start(std::span<const double> rows) {
   if (rows.size() < 3) return true;
   const double first = std::fabs(rows[1] - rows[0]);
   const double second = std::fabs(rows[2] - rows[1]);
-  return first <= most_of_an_ease * second || first == 0;
+  return first <= max_ease_share * second || first == 0;
 }
 
 KeysOnFrames keys_on_frames(const RowsOnFrames& rows, std::int32_t min_hold,

@@ -270,9 +270,8 @@ double sag_of(const Recording& recording) {
   return largest;
 }
 
-/// So many points of the motion that are as far apart as each other along it.
-std::vector<std::size_t> even_points(const SmoothMotion& motion, const Recording& recording,
-                                     std::size_t count) {
+/// How far each point of the motion is along it, in tolerances.
+std::vector<double> lengths_along(const SmoothMotion& motion, const Recording& recording) {
   std::vector<double> lengths{0};
   for (std::size_t i = 1; i < motion.points.size(); ++i) {
     double square = 0;
@@ -280,6 +279,13 @@ std::vector<std::size_t> even_points(const SmoothMotion& motion, const Recording
       square += std::pow((motion.points[i][a] - motion.points[i - 1][a]) * recording.scales[a], 2);
     lengths.push_back(lengths.back() + std::sqrt(square));
   }
+  return lengths;
+}
+
+/// So many points of the motion that are as far apart as each other along it.
+std::vector<std::size_t> even_points(const SmoothMotion& motion, const Recording& recording,
+                                     std::size_t count) {
+  const std::vector<double> lengths = lengths_along(motion, recording);
   std::vector<std::size_t> points{0};
   for (std::size_t k = 1; k + 1 < count; ++k) {
     const double at = lengths.back() * static_cast<double>(k) / static_cast<double>(count - 1);
@@ -383,45 +389,34 @@ std::vector<double> distances_of(const KeyFit& fit) {
   return distances;
 }
 
-/// How long the motion is, in tolerances.
-double length_of(const SmoothMotion& motion, const Recording& recording) {
-  double length = 0;
-  for (std::size_t i = 1; i < motion.points.size(); ++i) {
-    double square = 0;
-    for (const std::size_t a : recording.counted)
-      square += std::pow((motion.points[i][a] - motion.points[i - 1][a]) * recording.scales[a], 2);
-    length += std::sqrt(square);
-  }
-  return length;
-}
-
 struct Pace {
   std::vector<double> values;
   double lag = 0;
 };
 
-/// The mean square of what a curve leaves of the distances.
-double square_left(std::span<const double> values, const Recording& recording,
-                   std::span<const double> distances) {
+/// What a curve leaves of the distances.
+std::vector<double> left_of(std::span<const double> values, const Recording& recording,
+                            std::span<const double> distances) {
   const ControlCurve curve(values);
   const std::size_t spans = curve.span_count();
-  double square = 0;
+  std::vector<double> left;
+  left.reserve(distances.size());
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const double a = recording.moments[i] * static_cast<double>(spans);
-    square += std::pow(curve.at(place_at(a, spans)).area - distances[i], 2);
+    left.push_back(curve.at(place_at(a, spans)).area - distances[i]);
   }
-  return square / static_cast<double>(distances.size());
+  return left;
 }
 
-double largest_left(std::span<const double> values, const Recording& recording,
-                    std::span<const double> distances) {
-  const ControlCurve curve(values);
-  const std::size_t spans = curve.span_count();
+double mean_square_of(std::span<const double> numbers) {
+  double square = 0;
+  for (const double number : numbers) square += number * number;
+  return square / static_cast<double>(numbers.size());
+}
+
+double largest_size_of(std::span<const double> numbers) {
   double largest = 0;
-  for (std::size_t i = 0; i < distances.size(); ++i) {
-    const double a = recording.moments[i] * static_cast<double>(spans);
-    largest = std::max(largest, std::fabs(curve.at(place_at(a, spans)).area - distances[i]));
-  }
+  for (const double number : numbers) largest = std::max(largest, std::fabs(number));
   return largest;
 }
 
@@ -444,8 +439,10 @@ std::optional<Pace> exact_pace(const Recording& recording, std::span<const doubl
     for (const auto& [start, end] : {std::pair(true, true), {true, false}, {false, true}, {false, false}}) {
       const CurveBounds bounds{.total = total, .rests_at_start = start, .rests_at_end = end};
       const auto values = samples.fit(distances, bounds);
-      if (!values || largest_left(*values, recording, distances) > tolerance) continue;
-      Pace pace{.values = *values, .lag = std::sqrt(square_left(*values, recording, distances)) / total};
+      if (!values) continue;
+      const std::vector<double> left = left_of(*values, recording, distances);
+      if (largest_size_of(left) > tolerance) continue;
+      Pace pace{.values = *values, .lag = std::sqrt(mean_square_of(left)) / total};
       const double scale = largest_value / *std::ranges::max_element(*values);
       const double digits =
           std::pow(10, std::ceil(-std::log10(written_lag * largest_value * tolerance / total)));
@@ -469,7 +466,7 @@ Pace fitted_pace(const Recording& recording, std::span<const double> distances, 
       if (!values) continue;
       const double floor = finest * tolerance;
       const std::size_t rests = 2 * (static_cast<std::size_t>(start) + static_cast<std::size_t>(end));
-      const double score = information(square_left(*values, recording, distances) + floor * floor,
+      const double score = information(mean_square_of(left_of(*values, recording, distances)) + floor * floor,
                                        distances.size(), spans - rests);
       if (score < least) least = score, best = *values, ends = bounds;
     }
@@ -481,7 +478,7 @@ Pace fitted_pace(const Recording& recording, std::span<const double> distances, 
   ends.rests_at_end = ends.rests_at_end || best.back() < standing;
   if (auto resting = CurveSamples(recording.moments, best.size() - 1).fit(distances, ends))
     best = std::move(*resting);
-  Pace pace{.values = best, .lag = std::sqrt(square_left(best, recording, distances)) / total};
+  Pace pace{.values = best, .lag = std::sqrt(mean_square_of(left_of(best, recording, distances))) / total};
   const double scale = largest_value / *std::ranges::max_element(best);
   for (double& value : pace.values) value = std::round(value * scale * 1e4) / 1e4;
   return pace;
@@ -500,7 +497,7 @@ PassedDistances distances_along(const Keys& keys, const SmoothMotion& motion, co
   std::vector<double> distances = distances_of(KeyFit(samples, keys.at, keys.places));
   const double total = distances.back();
   distances.pop_back();
-  return {std::move(distances), total, total / length_of(motion, recording)};
+  return {std::move(distances), total, total / lengths_along(motion, recording).back()};
 }
 
 MotionFit fit_of(const Keys& keys, const Pace& pace, const Recording& recording, double noise) {

@@ -26,17 +26,17 @@ constexpr double clear_share = 0.06;
 constexpr double corner_share = 0.75;
 /// A spike is farther off than this share of the resolution. Half of it is the rounding of the row, and the
 /// rest the rounding of its neighbours: RowSmoothingProperty.RoundedRowsHaveNoSpikes.
-constexpr double least_off = 1.25;
+constexpr double min_off = 1.25;
 /// What the square of a change costs, so that rows about which nothing else is said stay as they are.
 constexpr double as_they_are = 1e-12;
 /// Of the first and last rows, which only the rows on one side contradict.
-constexpr double least_off_at_end = 4;
+constexpr double min_off_at_end = 4;
 /// The linear parts of a third difference that a row at an end has fewer of.
 constexpr std::size_t rows_at_end = 2;
 /// A fourth difference so many times the usual one around it is looked at.
 constexpr double unusual = 4;
 /// A third difference at an end below this share of the resolution is no jolt, but the rounding of its rows.
-constexpr double least_jolt = 0.1;
+constexpr double min_jolt = 0.1;
 /// More equal rows than these are a rest.
 constexpr std::size_t max_repeated = 6;
 /// Rows that are equal for so long are a hold, and no turning point: RowSmoothing.AHoldStaysWhereItIs.
@@ -256,7 +256,7 @@ bool is_rest(std::span<const double> rows, double resolution, bool is_start) {
   if (!is_start)
     std::ranges::copy(rows.rbegin(), rows.rbegin() + static_cast<std::ptrdiff_t>(count), outwards.begin());
   if (outwards[0] != outwards[1]) return false;
-  if (std::fabs(outwards[2] - outwards[1]) > least_off * resolution) return true;
+  if (std::fabs(outwards[2] - outwards[1]) > min_off * resolution) return true;
   const RowProgram program = whole_program(outwards, resolution, {.rests_at_start = true});
   const std::vector<double> resting = solved_rows(program).rows;
   double jolt = 0, behind = 0;
@@ -264,7 +264,7 @@ bool is_rest(std::span<const double> rows, double resolution, bool is_start) {
     double& largest = d < static_cast<std::ptrdiff_t>(rows_of_a_difference) ? jolt : behind;
     largest = std::max(largest, std::fabs(difference_at(program, resting, d)));
   });
-  return jolt < least_jolt || jolt < unusual * behind;
+  return jolt < min_jolt || jolt < unusual * behind;
 }
 
 struct FoundSpike {
@@ -288,7 +288,7 @@ std::optional<FoundSpike> spike_at(const RowProgram& whole, std::size_t first, s
     if (std::fabs(by) > std::fabs(off)) off = by;
   }
   const bool is_at_end = first < rows_at_end || first + count + rows_at_end > whole.rows.size();
-  if (!(std::fabs(off) > (is_at_end ? least_off_at_end : least_off) * whole.resolution)) return std::nullopt;
+  if (!(std::fabs(off) > (is_at_end ? min_off_at_end : min_off) * whole.resolution)) return std::nullopt;
   RowProgram cornered = program;
   cornered.is_corner.assign(program.rows.size(), false);
   if (begin > 0 && count > 1) cornered.is_corner[begin - 1] = true;

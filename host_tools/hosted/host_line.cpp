@@ -84,8 +84,8 @@ void HostLine::disconnect(std::int64_t now_ns) {
 
 void HostLine::hear(std::int64_t now_ns) {
   std::array<std::uint8_t, 1024> bytes{};
-  constexpr int most_reads = 16;  // a host that never pauses waits for the others, too
-  for (int i = 0; i < most_reads; ++i) {
+  constexpr int max_reads = 16;  // a host that never pauses waits for the others, too
+  for (int i = 0; i < max_reads; ++i) {
     const std::size_t count = port_.read(bytes);
     if (count == 0) return;
     std::visit([&](auto& device) { device.hear(std::span(bytes).first(count), now_ns); }, device_);

@@ -14,7 +14,7 @@ constexpr double longest_row_s = 0.02;
 /// Of a piece of one speed, on which a curve through few rows lies anyway. Between two such speeds there is a
 /// corner, round which it goes with a jerk that is in inverse proportion to the square of this.
 constexpr double longest_even_row_s = 0.04;
-constexpr double most_rows = 3000;
+constexpr double max_shot_rows = 3000;
 /// Of the time line of the rows: milliseconds, in which hosts give their times, as far as a move has frames.
 constexpr double frames_per_s = 1000;
 constexpr double most_frames = 900'000;
@@ -50,7 +50,7 @@ std::vector<std::int32_t> frames_of_rows(const dragonframe::PrepareShot& shot, d
     double begins_s = 0;
     for (const ShotPiece& piece : motor.pieces) {
       const double row_s = piece.from == piece.to ? longest_even_row_s : longest_row_s;
-      const double wanted = std::ceil(piece.seconds / std::max(row_s, seconds / most_rows) - 1e-9);
+      const double wanted = std::ceil(piece.seconds / std::max(row_s, seconds / max_shot_rows) - 1e-9);
       const int rows = std::max(static_cast<int>(wanted), 1);
       for (int row = 1; row <= rows; ++row) {
         const double at_s = begins_s + piece.seconds * row / rows;

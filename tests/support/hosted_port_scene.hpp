@@ -60,7 +60,7 @@ class HostedPortScene final : public HostedRigScene {
     write(request);
     pass();
     for (int ticks = 0; dmc.answers() == 0; ++ticks) {
-      if (ticks > most_ticks) throw std::runtime_error("the device is silent");
+      if (ticks > max_silent_ticks) throw std::runtime_error("the device is silent");
       tick();
     }
     return dmc.code();
@@ -77,7 +77,7 @@ class HostedPortScene final : public HostedRigScene {
   std::size_t go() {
     run_until_still();
     for (int ticks = 0; ask(dmc.go()) != 0x10; ++ticks) {
-      if (ticks > most_ticks) throw std::runtime_error("GO is refused");
+      if (ticks > max_silent_ticks) throw std::runtime_error("GO is refused");
       tick();
     }
     return path.size() - 1;
@@ -89,7 +89,7 @@ class HostedPortScene final : public HostedRigScene {
   std::vector<oracle::DmcHeard> heard;
 
  private:
-  static constexpr int most_ticks = 1000;
+  static constexpr int max_silent_ticks = 1000;
   void serve() override { pass(); }
   void pass() {
     line.serve(now_ns);
